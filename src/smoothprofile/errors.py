@@ -1,0 +1,15 @@
+"""The two ways a run ends badly, as exceptions that carry a sentence for the user."""
+
+
+class CaseError(ValueError):
+    """Input that cannot be run. Exit code 2.
+
+    One sentence: which key, what it was, what is allowed.
+    """
+
+
+class BlowUpError(ArithmeticError):
+    """A run that stopped being a solution: NaN, infinity or divergence. Exit code 3.
+
+    Names the field, the cell, the time and the limit that was exceeded.
+    """

@@ -1,0 +1,1 @@
+"""An incompressible flow solver that has never heard of particles."""

@@ -1,0 +1,195 @@
+"""One step of incompressible flow: predict, project.
+
+    (γuˢ − Σα_q uⁿ⁻q)/Δt + Σβ_q N(uⁿ⁻q) = ν∇²[θuˢ + (1−θ)uⁿ] − ∇pⁿ + g
+    ∇²δp = (γ/Δt)∇·uˢ,   uⁿ⁺¹ = uˢ − (Δt/γ)∇δp,   pⁿ⁺¹ = pⁿ + δp
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit, prange
+
+from smoothprofile.boundaries import fill_ghosts, velocity_boundary
+from smoothprofile.flow.advection import Advection
+from smoothprofile.flow.mean_flow import MeanFlow
+from smoothprofile.flow.projection import Projection
+from smoothprofile.flow.state import FlowState, Velocity, zero_velocity
+from smoothprofile.flow.viscosity import Viscosity
+from smoothprofile.flow.walls import Walls, pressure_forces, shear_forces
+from smoothprofile.grid import Grid
+from smoothprofile.schemes import SCHEMES, Scheme
+
+
+@dataclass(frozen=True)
+class FlowParameters:
+    """Density ρ, dynamic viscosity μ, body force per unit volume, walls, and the time scheme.
+
+    mean_velocity[axis] is held by an extra body force; None leaves that component free.
+    """
+
+    density: float = 1.0
+    viscosity: float = 1.0
+    body_force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    mean_velocity: tuple[float | None, float | None, float | None] = (None, None, None)
+    walls: Walls = field(default_factory=Walls)
+    scheme: Scheme = SCHEMES["backward-euler"]
+    advection: bool = True
+
+    @property
+    def kinematic_viscosity(self) -> float:
+        return self.viscosity / self.density
+
+
+@dataclass
+class Step:
+    """What one step carries from the predictor to its end: uˢ, then u**, then uⁿ⁺¹."""
+
+    scheme: Scheme
+    dt: float
+    time: float
+    velocity: Velocity
+    advection: Velocity
+
+    @property
+    def rate(self) -> float:
+        """γ/Δt: what a change of velocity is multiplied by to be an acceleration."""
+        return self.scheme.gamma / self.dt
+
+
+class Flow:
+    """The operators of one flow, and scratch for one step."""
+
+    def __init__(self, grid: Grid, parameters: FlowParameters):
+        self.grid, self.parameters = grid, parameters
+        kinds = parameters.walls.kinds
+        self.boundaries = tuple(velocity_boundary(grid, kinds, c) for c in range(3))
+        self._advection = Advection(grid)
+        self._viscosity = tuple(Viscosity(grid, boundary) for boundary in self.boundaries)
+        self.projection = Projection(grid)
+        self.mean_flow = MeanFlow(grid, parameters.mean_velocity, self._viscosity)
+        self._inverse_distances = tuple(
+            (1 / axis.padded_distances).astype(grid.dtype) for axis in grid.axes
+        )
+        self._spare = [zero_velocity(grid), zero_velocity(grid)]
+        self._wall_shear: dict[str, np.ndarray] = {}
+
+    def scheme(self, state: FlowState) -> Scheme:
+        """The scheme of the step that `state` takes next."""
+        return self.parameters.scheme.with_levels(state.known_levels)
+
+    def step(self, state: FlowState, dt: float) -> None:
+        """Advance `state` by dt."""
+        step = self.predict(state, dt)
+        self.mean_flow.hold(step.velocity)
+        self.project(state, step)
+        self.finish(state, step)
+
+    def predict(self, state: FlowState, dt: float, pressure_weight: float = 1.0) -> Step:
+        """Solve for uˢ; its shear is kept, for that is what the walls take from the fluid.
+
+        pressure_weight = 0 leaves the old pressure out, as the thesis' (2.6) does.
+        """
+        parameters, scheme = self.parameters, self.scheme(state)
+        step = Step(scheme, dt, state.time + dt, self._take_spare(), self._take_spare())
+        if parameters.advection:
+            self._advection(state.velocity, step.advection)
+        implicit = scheme.implicit * parameters.kinematic_viscosity / step.rate
+        for c in range(3):
+            self._explicit_terms(state, step, c, pressure_weight)
+            self._viscosity[c].solve(
+                step.velocity[c], implicit, parameters.walls.values(c, step.time)
+            )
+        self.mean_flow.prepare(implicit, 1.0 / step.rate)
+        self._measure_wall_shear(state, step)
+        return step
+
+    def project(self, state: FlowState, step: Step) -> None:
+        """Make the step's velocity divergence-free and add what it took to the pressure."""
+        self.fill(step.velocity, step.time)
+        state.pressure += self.projection.solve(step.velocity, step.rate)
+        self.projection.correct(step.velocity, step.rate)
+
+    def finish(self, state: FlowState, step: Step) -> None:
+        """Take the step's velocity as the new one and keep the old levels that are still read."""
+        self.fill(step.velocity, step.time)
+        depth = self.parameters.scheme.levels - 1
+        state.past_velocity.insert(0, state.velocity)
+        state.past_advection.insert(0, step.advection)
+        for past in (state.past_velocity, state.past_advection):
+            while len(past) > depth:
+                self._spare.append(past.pop())
+        state.velocity = step.velocity
+        state.time, state.steps = step.time, state.steps + 1
+
+    def fill(self, velocity: Velocity, time: float) -> None:
+        """Ghosts and wall faces of a velocity at that time."""
+        for c in range(3):
+            fill_ghosts(velocity[c], self.boundaries[c], self.parameters.walls.values(c, time))
+
+    def wall_force(self, state: FlowState) -> dict[str, np.ndarray]:
+        """Force on each wall over the last step: its shear and the pressure now."""
+        density = self.parameters.density
+        pressures = pressure_forces(self.grid, state.pressure, density)
+        return {name: self._wall_shear.get(name, 0.0) + f for name, f in pressures.items()}
+
+    def _take_spare(self) -> Velocity:
+        return self._spare.pop() if self._spare else zero_velocity(self.grid)
+
+    def _explicit_terms(self, state: FlowState, step: Step, c: int, pressure_weight: float) -> None:
+        scheme, rate, parameters = step.scheme, step.rate, self.parameters
+        out = step.velocity[c]
+        advection = [(b / rate) * parameters.advection for b in scheme.advection]
+        _explicit(
+            out,
+            state.velocity[c],
+            step.advection[c],
+            state.pressure,
+            self._inverse_distances[c],
+            c,
+            scheme.past[0] / scheme.gamma,
+            advection[0],
+            pressure_weight / rate,
+            parameters.body_force[c] / (parameters.density * rate),
+        )
+        for weight, old in zip(scheme.past[1:], state.past_velocity, strict=False):
+            _accumulate(out, weight / scheme.gamma, old[c])
+        for weight, old in zip(advection[1:], state.past_advection, strict=False):
+            _accumulate(out, -weight, old[c])
+        if scheme.implicit < 1.0:
+            weight = (1.0 - scheme.implicit) * parameters.kinematic_viscosity / rate
+            self._viscosity[c].add_explicit(state.velocity[c], weight, out)
+
+    def _measure_wall_shear(self, state: FlowState, step: Step) -> None:
+        walls, mu = self.parameters.walls, self.parameters.viscosity
+        theta = step.scheme.implicit
+        new = shear_forces(self.grid, walls, step.velocity, theta * mu, step.time)
+        if theta < 1.0:
+            old = shear_forces(self.grid, walls, state.velocity, (1 - theta) * mu, state.time)
+            new = {name: new[name] + old[name] for name in new}
+        self._wall_shear = new
+
+
+@njit(parallel=True, cache=True)
+def _explicit(out, u, n, p, inverse_distance, axis, past, advection, pressure, drive):
+    di, dj, dk = int(axis == 0), int(axis == 1), int(axis == 2)
+    for i in prange(1, u.shape[0] - 1):
+        for j in range(1, u.shape[1] - 1):
+            row, u0, n0, p0, below = out[i, j], u[i, j], n[i, j], p[i, j], p[i - di, j - dj]
+            if dk:
+                for k in range(1, u.shape[2] - 1):
+                    slope = pressure * inverse_distance[k] * (p0[k] - p0[k - 1])
+                    row[k] = past * u0[k] - advection * n0[k] - slope + drive
+            else:
+                factor = pressure * inverse_distance[i * di + j * dj]
+                for k in range(1, u.shape[2] - 1):
+                    slope = factor * (p0[k] - below[k])
+                    row[k] = past * u0[k] - advection * n0[k] - slope + drive
+
+
+@njit(parallel=True, cache=True)
+def _accumulate(out, weight, f):
+    for i in prange(1, f.shape[0] - 1):
+        for j in range(1, f.shape[1] - 1):
+            row, f0 = out[i, j], f[i, j]
+            for k in range(1, f.shape[2] - 1):
+                row[k] += weight * f0[k]

@@ -1,0 +1,76 @@
+"""A uniform body force that holds the mean velocity along periodic axes.
+
+    uˢ ← uˢ + g w,   (1 − c∇²) w = Δt/γ,   g = (U − ⟨uˢ⟩)/⟨w⟩
+
+w is what a unit force does to one step. Along a periodic axis the projection does not change the
+mean, so that it is exactly U after the step.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numba import njit, prange
+
+from smoothprofile.grid import Grid
+
+Mean = Callable[[np.ndarray, int, bool], float]
+_AT_REST = ((0.0, 0.0),) * 3
+
+
+class MeanFlow:
+    """Holds targets[axis]; None leaves that component free."""
+
+    def __init__(self, grid: Grid, targets: tuple, viscosity: tuple):
+        self.grid = grid
+        self.targets = {d: U for d, U in enumerate(targets) if U is not None}
+        self._viscosity = viscosity
+        self._response: dict[int, np.ndarray] = {}
+        self._key = None
+        self.force = np.zeros(3)
+
+    def prepare(self, implicit: float, step: float) -> None:
+        """Find w for c = implicit and Δt/γ = step, unless it is known already."""
+        if not self.targets or self._key == (implicit, step):
+            return
+        for d in self.targets:
+            w = self._response.setdefault(d, self.grid.zeros())
+            w[1:-1, 1:-1, 1:-1] = step
+            self._viscosity[d].solve(w, implicit, _AT_REST)
+        self._key = (implicit, step)
+
+    def hold(self, velocity: tuple, mean: Mean | None = None) -> None:
+        """Add the force's response. mean(field, axis, is_velocity) is taken after what follows.
+
+        What follows the predictor, rigid bodies say, may change the mean: it passes its own
+        `mean`, which must be affine in a velocity and linear in a response.
+        """
+        mean = mean or self.plain_mean
+        for d, target in self.targets.items():
+            g = (target - mean(velocity[d], d, True)) / mean(self._response[d], d, False)
+            velocity[d][...] += velocity[d].dtype.type(g) * self._response[d]
+            self.force[d] = g
+
+    def plain_mean(self, field: np.ndarray, axis: int, is_velocity: bool = True) -> float:
+        """Volume mean of a field that lies where velocity component `axis` does."""
+        return volume_mean(self.grid, field, axis)
+
+
+def volume_mean(grid: Grid, field: np.ndarray, component: int) -> float:
+    """Mean over the box, by the volumes of the cells around each velocity point."""
+    sizes = [
+        axis.padded_distances if d == component else axis.padded_widths
+        for d, axis in enumerate(grid.axes)
+    ]
+    return float(_weighted_planes(field, *sizes).sum()) / grid.volume
+
+
+@njit(parallel=True, cache=True)
+def _weighted_planes(f, dx, dy, dz):
+    sums = np.zeros(f.shape[0])
+    for i in prange(1, f.shape[0] - 1):
+        for j in range(1, f.shape[1] - 1):
+            row = 0.0
+            for k in range(1, f.shape[2] - 1):
+                row += f[i, j, k] * dz[k]
+            sums[i] += row * dx[i] * dy[j]
+    return sums

@@ -1,0 +1,99 @@
+"""Walls of the box: no-slip and moving, or free-slip, and the force that the fluid puts on them.
+
+    no-slip: u = U(t);   free slip: u·n = 0, ∂u_t/∂n = 0
+    F_t = μ ∫ ∂u_t/∂n dA,   F_n = −∫ p n dA            n out of the fluid
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from smoothprofile.boundaries import SIDES
+from smoothprofile.grid import AXIS_NAMES, Grid
+
+WallVelocity = Callable[[float], tuple[float, float, float]]
+
+
+def at_rest(time: float) -> tuple[float, float, float]:
+    """The velocity of a wall that does not move."""
+    return (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Walls:
+    """kinds[axis] = (low, high) of "wall" or "slip"; velocity[name](t) for those that move."""
+
+    kinds: tuple[tuple[str, str], ...] = (("wall", "wall"),) * 3
+    velocity: dict[str, WallVelocity] = field(default_factory=dict)
+
+    def values(self, component: int, time: float) -> tuple[tuple[float, float], ...]:
+        """values[axis][side] of velocity `component` at the walls, for ghosts and solves."""
+        return tuple(
+            tuple(
+                0.0 if d == component else self.velocity_at(d, side, time)[component]
+                for side in range(2)
+            )
+            for d in range(3)
+        )
+
+    def velocity_at(self, axis: int, side: int, time: float) -> tuple[float, float, float]:
+        return self.velocity.get(wall_name(axis, side), at_rest)(time)
+
+
+def wall_name(axis: int, side: int) -> str:
+    """x_low, x_high, … z_high."""
+    return f"{AXIS_NAMES[axis]}_{SIDES[side]}"
+
+
+def shear_forces(
+    grid: Grid, walls: Walls, velocity: tuple, viscosity: float, time: float
+) -> dict[str, np.ndarray]:
+    """Tangential force of the fluid on each wall, (3,) each, from the dynamic viscosity.
+
+    The slope is the one that the discrete viscous term sees at the wall, so that the budget of
+    momentum closes to round-off when `velocity` is the one the viscous term acted on.
+    """
+    forces = {}
+    for axis, side in _walled_sides(grid):
+        force = np.zeros(3)
+        speed = walls.velocity_at(axis, side, time)
+        for c in range(3):
+            if c != axis and walls.kinds[axis][side] == "wall":
+                layer = _layer(grid, velocity[c], axis, side)
+                slope = (layer - speed[c]) * (2 / grid.axes[axis].widths[-side])
+                force[c] = viscosity * (slope * _areas(grid, axis, c)).sum()
+        forces[wall_name(axis, side)] = force
+    return forces
+
+
+def pressure_forces(grid: Grid, pressure: np.ndarray, density: float) -> dict[str, np.ndarray]:
+    """Normal force of the fluid on each wall, (3,) each, from the kinematic pressure."""
+    forces = {}
+    for axis, side in _walled_sides(grid):
+        force = np.zeros(3)
+        outward = 1.0 if side == 1 else -1.0
+        layer = _layer(grid, pressure, axis, side)
+        force[axis] = outward * density * (layer * _areas(grid, axis, axis)).sum()
+        forces[wall_name(axis, side)] = force
+    return forces
+
+
+def _walled_sides(grid: Grid):
+    return [(d, side) for d in range(3) if not grid.axes[d].periodic for side in range(2)]
+
+
+def _layer(grid: Grid, field: np.ndarray, axis: int, side: int) -> np.ndarray:
+    """The interior values next to a wall."""
+    index = 1 if side == 0 else grid.shape[axis]
+    return np.moveaxis(field, axis, 0)[index, 1:-1, 1:-1]
+
+
+def _areas(grid: Grid, axis: int, component: int) -> np.ndarray:
+    """Wall area that belongs to each point of `component` in the layer next to the wall."""
+    sides = [
+        grid.axes[d].padded_distances[1:-1] if d == component else grid.axes[d].widths
+        for d in range(3)
+        if d != axis
+    ]
+    return np.outer(*sides)

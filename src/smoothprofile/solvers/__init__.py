@@ -1,0 +1,1 @@
+"""Direct and iterative solvers of elliptic problems on one grid."""

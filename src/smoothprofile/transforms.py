@@ -1,0 +1,164 @@
+"""Eigenbases of the one-dimensional second difference, axis by axis.
+
+    −D q_m = λ_m q_m,   (Df)_i = [(f_{i+1}−f_i)/d_{i+1} − (f_i−f_{i−1})/d_i]/w_i
+
+On a uniform axis the basis is a fast transform: real Fourier (half-complex layout) when periodic,
+and the cosine or sine transform that fits the two ends when walled. On a stretched axis it is
+dense. All are real and work in place. This is the only file that calls an FFT library.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import ducc0
+import numpy as np
+import scipy.linalg
+from numba import njit, prange
+
+from smoothprofile.boundaries import FieldBoundary
+from smoothprofile.grid import Axis, Grid
+from smoothprofile.threads import thread_count
+
+Transform = Callable[[np.ndarray, int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """λ_m (m,), and transforms of a view along an axis, in place; backward∘forward = norm."""
+
+    eigenvalues: np.ndarray
+    forward: Transform
+    backward: Transform
+    norm: float
+
+
+@dataclass(frozen=True, eq=False)
+class SecondDifference:
+    """Rows of −D: lower f_{i−1} + diagonal f_i + upper f_{i+1}; w·(−D) is symmetric."""
+
+    lower: np.ndarray
+    diagonal: np.ndarray
+    upper: np.ndarray
+    weights: np.ndarray
+    periodic: bool
+
+    def dense(self) -> np.ndarray:
+        n = self.diagonal.size
+        matrix = np.diag(self.diagonal)
+        rows = np.arange(n)
+        np.add.at(matrix, (rows, (rows - 1) % n), self.lower)
+        np.add.at(matrix, (rows, (rows + 1) % n), self.upper)
+        return matrix
+
+
+def second_difference(axis: Axis, boundary: FieldBoundary, index: int) -> SecondDifference:
+    """−D of a field along axis number `index`, its homogeneous end conditions eliminated."""
+    n = axis.cells
+    if index == boundary.staggered:
+        first = boundary.first_unknown(index)
+        widths = axis.padded_distances[first : n + 1]
+        below = axis.padded_widths[first - 1 : n]
+        above = axis.padded_widths[first : n + 1]
+    else:
+        widths = axis.padded_widths[1 : n + 1]
+        below = axis.padded_distances[1 : n + 1]
+        above = axis.padded_distances[2 : n + 2]
+    lower, upper = -1.0 / (widths * below), -1.0 / (widths * above)
+    diagonal = -(lower + upper)
+    if not boundary.periodic(index):
+        low, high = boundary.conditions[index]
+        if index != boundary.staggered:
+            diagonal[0] += lower[0] if low == "flux" else -lower[0]
+            diagonal[-1] += upper[-1] if high == "flux" else -upper[-1]
+        lower[0] = upper[-1] = 0.0
+    return SecondDifference(lower, diagonal, upper, widths, boundary.periodic(index))
+
+
+def basis_for(grid: Grid, boundary: FieldBoundary, index: int) -> Basis:
+    """The fast basis of axis number `index` if it is uniform, the dense one if not."""
+    axis = grid.axes[index]
+    difference = second_difference(axis, boundary, index)
+    if not axis.uniform or difference.diagonal.size < 2:
+        return _dense(difference, grid.dtype)
+    n = axis.cells
+    scale = (2.0 / (axis.length / n)) ** 2
+    if boundary.periodic(index):
+        m = (np.arange(n) + 1) // 2
+        return _fourier(scale * np.sin(np.pi * m / n) ** 2, n)
+    if index == boundary.staggered:
+        return _trigonometric("dst", 1, scale * np.sin(np.pi * np.arange(1, n) / (2 * n)) ** 2, n)
+    kind, transform_type, shift = {
+        ("flux", "flux"): ("dct", 2, 0.0),
+        ("value", "value"): ("dst", 2, 1.0),
+        ("flux", "value"): ("dct", 4, 0.5),
+        ("value", "flux"): ("dst", 4, 0.5),
+    }[boundary.conditions[index]]
+    eigenvalues = scale * np.sin(np.pi * (np.arange(n) + shift) / (2 * n)) ** 2
+    return _trigonometric(kind, transform_type, eigenvalues, n)
+
+
+def _fourier(eigenvalues: np.ndarray, n: int) -> Basis:
+    def forward(view: np.ndarray, axis: int) -> None:
+        ducc0.fft.r2r_fftpack(
+            view, axes=(axis,), real2hermitian=True, forward=True, out=view, nthreads=thread_count()
+        )
+
+    def backward(view: np.ndarray, axis: int) -> None:
+        ducc0.fft.r2r_fftpack(
+            view,
+            axes=(axis,),
+            real2hermitian=False,
+            forward=False,
+            out=view,
+            nthreads=thread_count(),
+        )
+
+    return Basis(eigenvalues, forward, backward, float(n))
+
+
+def _trigonometric(kind: str, forward_type: int, eigenvalues: np.ndarray, n: int) -> Basis:
+    transform = getattr(ducc0.fft, kind)
+    backward_type = {1: 1, 2: 3, 4: 4}[forward_type]
+
+    def forward(view: np.ndarray, axis: int) -> None:
+        transform(view, forward_type, axes=(axis,), out=view, nthreads=thread_count())
+
+    def backward(view: np.ndarray, axis: int) -> None:
+        transform(view, backward_type, axes=(axis,), out=view, nthreads=thread_count())
+
+    return Basis(eigenvalues, forward, backward, 2.0 * n)
+
+
+def _dense(difference: SecondDifference, dtype: type) -> Basis:
+    root = np.sqrt(difference.weights)
+    symmetric = difference.dense() * root[:, None] / root[None, :]
+    eigenvalues, vectors = scipy.linalg.eigh(0.5 * (symmetric + symmetric.T))
+    # Round-off leaves the constant mode of a zero-flux or periodic axis near, not at, zero.
+    eigenvalues[np.abs(eigenvalues) < 1e-12 * np.abs(eigenvalues).max()] = 0.0
+    to_modes = np.ascontiguousarray((vectors.T * root).astype(dtype))
+    to_values = np.ascontiguousarray((vectors / root[:, None]).astype(dtype))
+
+    def forward(view: np.ndarray, axis: int) -> None:
+        _multiply_along(np.moveaxis(view, axis, 1), to_modes)
+
+    def backward(view: np.ndarray, axis: int) -> None:
+        _multiply_along(np.moveaxis(view, axis, 1), to_values)
+
+    return Basis(eigenvalues, forward, backward, 1.0)
+
+
+@njit(parallel=True, cache=True)
+def _multiply_along(f, matrix):
+    """f[i, :, k] ← matrix · f[i, :, k], written out so that no BLAS thread count changes a bit."""
+    planes, n, columns = f.shape
+    for i in prange(planes):
+        source = np.empty((n, columns), f.dtype)
+        row = np.empty(columns, f.dtype)
+        source[:, :] = f[i]
+        for m in range(n):
+            row[:] = 0
+            for l in range(n):
+                weight = matrix[m, l]
+                for k in range(columns):
+                    row[k] += weight * source[l, k]
+            f[i, m, :] = row
