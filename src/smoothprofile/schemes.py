@@ -35,7 +35,6 @@ class Scheme:
         """How many past velocities the scheme reads."""
         return max(len(self.past), len(self.advection))
 
-
     def with_levels(self, known: int) -> "Scheme":
         """The scheme for a step that has `known` time levels: itself, or one of its starts."""
         return self if known >= self.levels else self.starts[known - 1]

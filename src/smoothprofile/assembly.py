@@ -1,0 +1,98 @@
+"""From a case to the parts that run it: grid, flow, particles."""
+
+import numpy as np
+
+from smoothprofile import rotations
+from smoothprofile.config import AXES, Case, Domain, Faces, Focus, build_shape
+from smoothprofile.flow.advance import Flow, FlowParameters
+from smoothprofile.flow.state import FlowState, fluid_at_rest
+from smoothprofile.flow.walls import Walls
+from smoothprofile.grid import Axis, Grid, stretched_axis, uniform_axis
+from smoothprofile.pairing import surface_offsets
+from smoothprofile.particles.bodies import Forms, bodies_at
+from smoothprofile.particles.loads import Impulse
+from smoothprofile.particles.motion import Course, PrescribedMotion
+from smoothprofile.particles.paint import Painter
+from smoothprofile.particles.particles import Particles
+from smoothprofile.profiles import profile_named
+from smoothprofile.schemes import scheme_named
+
+
+def build_grid(domain: Domain) -> Grid:
+    """The staggered grid of a [domain] table."""
+    dtype = np.float64 if domain.precision == "double" else np.float32
+    return Grid(tuple(_axis(domain, d) for d in range(3)), dtype)
+
+
+def _axis(domain: Domain, d: int) -> Axis:
+    stretching, periodic = domain.stretching[d], domain.periodic[d]
+    if isinstance(stretching, Faces):
+        return Axis(AXES[d], np.array(stretching.faces), periodic)
+    arguments = (AXES[d], domain.origin[d], domain.lengths[d], domain.cells[d], periodic)
+    if isinstance(stretching, Focus):
+        return stretched_axis(*arguments, stretching.focus, stretching.ratio)
+    return uniform_axis(*arguments)
+
+
+def build_flow(case: Case, grid: Grid) -> Flow:
+    """The flow solver of a case."""
+    fluid, sides = case.fluid, case.domain.sides
+    kinds = tuple((sides[f"{name}_low"], sides[f"{name}_high"]) for name in AXES)
+    moving = {side: signal.at for side, signal in fluid.wall_velocity.given().items()}
+    mean = fluid.mean_velocity.given()
+    return Flow(
+        grid,
+        FlowParameters(
+            density=fluid.density,
+            viscosity=fluid.viscosity,
+            body_force=fluid.body_force,
+            mean_velocity=tuple(mean.get(d) for d in range(3)),
+            walls=Walls(kinds, moving),
+            scheme=scheme_named(case.time.scheme),
+            advection=fluid.advection,
+        ),
+    )
+
+
+def initial_state(case: Case, flow: Flow) -> FlowState:
+    """The fluid at time 0: uniform velocity, zero on the walls' normal faces."""
+    state = fluid_at_rest(flow.grid)
+    start = list(case.fluid.initial_velocity)
+    for axis, value in case.fluid.mean_velocity.given().items():
+        start[axis] = value
+    for component, value in zip(state.velocity, start, strict=True):
+        component[...] = value
+    flow.fill(state.velocity, 0.0)
+    return state
+
+
+def build_particles(
+    case: Case, flow: Flow, step: float, courses: dict[int, Course] | None = None
+) -> Particles:
+    """The bodies of a case, painted for that step; courses overrule the motion of some."""
+    shapes = [build_shape(particle) for particle in case.particles]
+    turning = [
+        bool(p.angular_velocity.maximum.any()) and not p.velocity.maximum.any()
+        for p in case.particles
+    ]
+    offsets = [
+        surface_offsets(case, shape, step, spins)
+        for shape, spins in zip(shapes, turning, strict=True)
+    ]
+    state = bodies_at(
+        [p.position for p in case.particles],
+        [rotations.normalise(p.quaternion) for p in case.particles],
+    )
+    motion = PrescribedMotion(
+        state,
+        [p.velocity for p in case.particles],
+        [p.angular_velocity for p in case.particles],
+        courses,
+    )
+    kind, thickness = (
+        (case.profile.kind, case.profile.thickness) if case.profile else ("tanh", 1.0)
+    )
+    painter = Painter(
+        flow.grid, flow.boundaries, Forms.of(shapes, offsets), profile_named(kind), thickness
+    )
+    return Particles(state, motion, painter, Impulse(flow.grid, case.fluid.density))

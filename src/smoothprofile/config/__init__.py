@@ -1,0 +1,32 @@
+"""Cases: what a TOML file may say, checked before anything runs."""
+
+from smoothprofile.config.case import Case, Profile, Start, Time
+from smoothprofile.config.domain import Domain, Faces, Focus
+from smoothprofile.config.fluid import Fluid, MeanVelocity, WallVelocity
+from smoothprofile.config.output import Line, Output, PlaneCut, WallLine
+from smoothprofile.config.particle import Particle, Solid, build_shape
+from smoothprofile.config.reading import load_case
+from smoothprofile.config.values import AXES, SIDES
+
+__all__ = [
+    "AXES",
+    "SIDES",
+    "Case",
+    "Domain",
+    "Faces",
+    "Fluid",
+    "Focus",
+    "Line",
+    "MeanVelocity",
+    "Output",
+    "Particle",
+    "PlaneCut",
+    "Profile",
+    "Solid",
+    "Start",
+    "Time",
+    "WallLine",
+    "WallVelocity",
+    "build_shape",
+    "load_case",
+]

@@ -1,0 +1,190 @@
+"""[[particles]] of a case: form, place, attitude and motion of each body."""
+
+import math
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from smoothprofile import rotations, shapes
+from smoothprofile.config.refusals import MISSING, Refusal
+from smoothprofile.config.values import (
+    DIRECTION,
+    LENGTHS,
+    NUMBER,
+    NUMBERS,
+    POSITIVE,
+    VELOCITY,
+    Direction,
+    Lengths,
+    Positive,
+    Table,
+    Vector,
+    Velocity,
+)
+from smoothprofile.signals import Signal
+
+Simple = Literal["sphere", "ellipsoid", "cylinder", "capsule", "box"]
+
+
+class Sizes(NamedTuple):
+    """Keys a shape must have, may have, and the key that can give its direction."""
+
+    needed: tuple[str, ...]
+    optional: tuple[str, ...] = ()
+    direction: str | None = None
+
+
+SIZES = {
+    "sphere": Sizes(("radius",)),
+    "ellipsoid": Sizes(("radii",)),
+    "cylinder": Sizes(("radius",), ("length",), "axis"),
+    "capsule": Sizes(("radius", "length"), (), "axis"),
+    "box": Sizes(("sides",)),
+    "plane": Sizes((), (), "normal"),
+    "union": Sizes(("parts",)),
+}
+SIZE_KEYS = ("radius", "radii", "length", "sides", "parts", "axis", "normal")
+
+
+class Orientation(Table):
+    """A right-handed turn about an axis, the angle in degrees."""
+
+    axis: Direction = Field(description=DIRECTION)
+    angle: float = Field(description=NUMBER)
+
+
+class Solid(Table):
+    """A simple shape: the sizes it needs and no other, where it is and how it is turned."""
+
+    shape: Simple = Field(description="one of sphere, ellipsoid, cylinder, capsule and box")
+    radius: Positive | None = Field(None, description=POSITIVE)
+    radii: Lengths | None = Field(None, description=LENGTHS)
+    length: Positive | None = Field(None, description=POSITIVE)
+    sides: Lengths | None = Field(None, description=LENGTHS)
+    position: Vector = Field(description=NUMBERS)
+    axis: Direction | None = Field(None, description=DIRECTION)
+    orientation: Orientation | None = Field(
+        None, description="a table such as { axis = [0, 0, 1], angle = 30 }"
+    )
+
+    @model_validator(mode="after")
+    def _has_its_sizes(self) -> "Solid":
+        sizes = SIZES[self.shape]
+        allowed = [*sizes.needed, *sizes.optional, *filter(None, [sizes.direction])]
+        takes = f"a {self.shape} takes {' and '.join(allowed)} and no other size"
+        for key in SIZE_KEYS:
+            value = getattr(self, key, None)
+            if value is None and key in sizes.needed:
+                raise Refusal(key, MISSING, f"a {self.shape} needs {' and '.join(sizes.needed)}")
+            if value is not None and key not in allowed:
+                raise Refusal(key, shown_size(value), takes)
+        if self.direction is not None and self.orientation is not None:
+            turn = {"axis": self.orientation.axis, "angle": self.orientation.angle}
+            raise Refusal("orientation", turn, f"{sizes.direction} already gives the direction")
+        return self
+
+    @property
+    def direction(self) -> tuple[float, float, float] | None:
+        """Where the shape's own z axis points, if `axis` or `normal` says so."""
+        key = SIZES[self.shape].direction
+        return getattr(self, key) if key else None
+
+    @property
+    def quaternion(self) -> np.ndarray:
+        """From the shape's own axes to those it is placed in, (4,), w first."""
+        if self.orientation is not None:
+            angle = math.radians(self.orientation.angle)
+            return rotations.from_axis_angle(self.orientation.axis, angle)
+        return rotations.from_two_vectors((0.0, 0.0, 1.0), self.direction or (0.0, 0.0, 1.0))
+
+    @property
+    def bounded(self) -> bool:
+        """False for planes and for cylinders without a length."""
+        return self.shape != "plane" and not (self.shape == "cylinder" and self.length is None)
+
+    @property
+    def thinnest(self) -> tuple[str, float]:
+        """The key and the value of the smallest radius or half side; infinite for a plane."""
+        halves = {"radius": self.radius, "length": self.length and 0.5 * self.length}
+        if self.shape == "capsule":
+            halves.pop("length")
+        halves["radii"] = self.radii and min(self.radii)
+        halves["sides"] = self.sides and 0.5 * min(self.sides)
+        given = [(value, key) for key, value in halves.items() if value is not None]
+        value, key = min(given, default=(math.inf, "normal"))
+        return key, value
+
+
+class Particle(Solid):
+    """[[particles]]: a simple shape, a plane or a union, held or moving as prescribed."""
+
+    name: Annotated[str, Field(min_length=1)] | None = Field(None, description="a name in quotes")
+    shape: Literal[Simple, "plane", "union"] = Field(description="one of " + ", ".join(SIZES))
+    normal: Direction | None = Field(None, description=DIRECTION)
+    parts: Annotated[tuple[Solid, ...], Field(strict=False, min_length=1)] | None = Field(
+        None, description="a list of one or more tables, each with a shape, its sizes, a position"
+    )
+    motion: Literal["held", "prescribed"] = Field(description='"held" or "prescribed"')
+    velocity: Velocity = Field(Signal(), description=VELOCITY)
+    angular_velocity: Velocity = Field(Signal(), description=VELOCITY)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _held_unless_it_moves(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or "motion" in data:
+            return data
+        moves = "velocity" in data or "angular_velocity" in data
+        return {**data, "motion": "prescribed" if moves else "held"}
+
+    @model_validator(mode="after")
+    def _moves_as_it_may(self) -> "Particle":
+        if self.shape == "plane" and self.normal is None and self.orientation is None:
+            raise Refusal("normal", MISSING, "a plane needs normal or orientation")
+        for number, part in enumerate(self.parts or ()):
+            if not part.bounded:
+                key, allowed = f"parts.{number}.length", "a part of a union needs an end"
+                raise Refusal(key, MISSING, allowed)
+        for key in ("velocity", "angular_velocity"):
+            signal = getattr(self, key)
+            if self.motion == "held" and signal.maximum.any():
+                allowed = f'a held body has no {key}, one with motion = "prescribed" has'
+                raise Refusal(key, shown_signal(signal), allowed)
+        return self
+
+    @property
+    def thinnest(self) -> tuple[str, float]:
+        """As of a simple shape; of a union, that of its thinnest part."""
+        if self.parts is None:
+            return super().thinnest
+        sizes = [part.thinnest for part in self.parts]
+        number = min(range(len(sizes)), key=lambda i: sizes[i][1])
+        return f"parts.{number}.{sizes[number][0]}", sizes[number][1]
+
+
+def build_shape(particle: Solid) -> shapes.Shape:
+    """The shape of a body in its own frame, which `particle.quaternion` turns into space."""
+    if particle.shape == "union":
+        members = [(build_shape(part), part.position, part.quaternion) for part in particle.parts]
+        return shapes.union(members)
+    makers = {
+        "sphere": lambda: shapes.sphere(particle.radius),
+        "ellipsoid": lambda: shapes.ellipsoid(particle.radii),
+        "cylinder": lambda: shapes.cylinder(particle.radius, particle.length),
+        "capsule": lambda: shapes.capsule(particle.radius, particle.length),
+        "box": lambda: shapes.box(particle.sides),
+        "plane": lambda: shapes.plane(),
+    }
+    return makers[particle.shape]()
+
+
+def shown_signal(signal: Signal) -> Any:
+    """The numbers of a signal to show in a sentence: those that are not zero."""
+    return signal.constant if any(signal.constant) else {"amplitude": signal.amplitude}
+
+
+def shown_size(value: Any) -> Any:
+    """A size to show in a sentence; parts by their shapes."""
+    if isinstance(value, tuple) and isinstance(value[0], Solid):
+        return [{"shape": part.shape} for part in value]
+    return value

@@ -1,0 +1,171 @@
+"""From a name, a file or a dictionary to a case: find, parse, override, check."""
+
+import os
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from smoothprofile.config import library
+from smoothprofile.config.case import Case
+from smoothprofile.config.refusals import Refusal, explain, shown
+from smoothprofile.errors import CaseError
+
+Overrides = Mapping[str, Any] | Iterable[str]
+
+LARGEST_FILE = 4 * 2**20
+DEEPEST = 12
+# Forty dotted names in a row: the parser takes a time quadratic in their number.
+LONG_KEY = re.compile(r"(?<![^\s.=,\[\]{}#])(?:[^\s.=,\[\]{}#]++[ \t]*+\.[ \t]*+){40}")
+# .3 and 3. are no TOML, and what people type on a command line.
+SHORT_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)([eE][+-]?\d+)?$", re.ASCII)
+WHERE = re.compile(r"^(.*) \(at (?:line (\d+), column (\d+)|end of document)\)$", re.DOTALL)
+
+
+def load_case(source: str | os.PathLike | Mapping | Case, overrides: Overrides = ()) -> Case:
+    """The case of a built-in name, a TOML file, a dictionary, or another case, with overrides.
+
+    Overrides are "table.key=value" strings, their values TOML or else bare words, or a dictionary
+    {"table.key": value}; particles.0.radius reaches into lists. A built-in name goes before a file
+    of the same name. CaseError, one sentence, for whatever cannot be run.
+    """
+    data = _plain(_data_of(source))
+    for key, value in _pairs(overrides):
+        _put(data, key, _plain(value, key))
+    try:
+        case = Case.model_validate(data)
+    except ValidationError as error:
+        raise CaseError(explain(error, data, Case)) from None
+    names = library.reference_names()
+    if case.reference is not None and case.reference not in names:
+        raise Refusal("reference", case.reference, f"it must be one of {', '.join(names)}")
+    return case
+
+
+def _data_of(source: Any) -> dict[str, Any]:
+    if isinstance(source, Case):
+        return source.model_dump(exclude_none=True)
+    if isinstance(source, Mapping):
+        return dict(source)
+    if not isinstance(source, str | os.PathLike):
+        raise CaseError(f"a case is a name, a path or a dictionary, not a {type(source).__name__}.")
+    name = os.fspath(source)
+    if not isinstance(name, str):
+        raise CaseError(f"a path must be text, and {name!r} is not.")
+    if name in library.case_names():
+        return parse(library.case_path(name).read_text(encoding="utf-8"), name)
+    bare = isinstance(source, str) and Path(name).name == name and not name.endswith(".toml")
+    if bare and not os.path.lexists(name):
+        library.case_path(name)
+    return parse(_text_of(name), name)
+
+
+def _text_of(name: str) -> str:
+    try:
+        with open(name, "rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except IsADirectoryError:
+        raise CaseError(f"{name} is a directory; a case is one TOML file.") from None
+    except FileNotFoundError:
+        raise CaseError(f"{name} does not exist; give a TOML file or a built-in case.") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise CaseError(f"{shown(name)} cannot be read: {reason}.") from None
+    if len(content) > LARGEST_FILE:
+        raise CaseError(f"{name} is too large for a case: more than {LARGEST_FILE // 2**20} MiB.")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        column = error.start - content.rfind(b"\n", 0, error.start)
+        raise CaseError(
+            f"{name} is not UTF-8 text at line {line}, column {column}, as TOML must be."
+        ) from None
+
+
+def parse(text: str, name: str) -> dict[str, Any]:
+    """The tables of a TOML text; CaseError with the line and column of what is not TOML."""
+    long_key = LONG_KEY.search(text)
+    if long_key:
+        line = text.count("\n", 0, long_key.start()) + 1
+        raise CaseError(f"{name} is nested too deeply for a case, at line {line}.")
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise CaseError(f"{name} is nested too deeply for a case.") from None
+    except ValueError as error:
+        where = WHERE.match(str(error))
+        reason = (where[1] if where else str(error)).split(";")[0]
+        line, column = (where[2], where[3]) if where else (None, None)
+        if line is None:
+            line, column = text.count("\n") + 1, len(text) - text.rfind("\n")
+        reason = reason[:1].lower() + reason[1:]
+        raise CaseError(f"{name} is not TOML at line {line}, column {column}: {reason}.") from None
+
+
+def _plain(value: Any, key: str = "", depth: int = 0) -> Any:
+    """Dictionaries, lists and plain numbers only, copied; arrays become lists."""
+    if depth > DEEPEST:
+        raise CaseError(f"{key or 'the case'} is nested too deeply for a case.")
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        for name in value:
+            if not isinstance(name, str):
+                raise CaseError(f"{name!r} in {key or 'the case'} is no key; keys are texts.")
+        inner = f"{key}." if key else ""
+        return {n: _plain(v, f"{inner}{n}", depth + 1) for n, v in value.items() if v is not None}
+    if isinstance(value, list | tuple):
+        return [_plain(item, f"{key}.{i}", depth + 1) for i, item in enumerate(value)]
+    if isinstance(value, str) and not value.isascii():
+        try:
+            value.encode("utf-8")
+        except UnicodeEncodeError:
+            raise CaseError(f"{key} is {value!a}; it must be UTF-8 text.") from None
+    return value
+
+
+def _pairs(overrides: Overrides) -> Iterable[tuple[str, Any]]:
+    if isinstance(overrides, Mapping):
+        yield from overrides.items()
+        return
+    for text in [overrides] if isinstance(overrides, str) else overrides:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise CaseError(f"override {shown(text)} must be written as table.key=value.")
+        yield key.strip(), _value(value.strip())
+
+
+def _value(text: str) -> Any:
+    """The text as a TOML value, or as a bare word if it is none."""
+    try:
+        table = parse(f"value = {text}", "an override")
+    except CaseError:
+        return float(text) if SHORT_NUMBER.match(text) else text
+    return table["value"] if len(table) == 1 else text
+
+
+def _put(data: dict[str, Any], key: str, value: Any) -> None:
+    """data[a][b]… = value for the dotted key a.b…, making the tables on the way."""
+    *parents, last = key.split(".")
+    place: Any = data
+    for depth, part in enumerate((*parents, last)):
+        here = ".".join(parents[:depth])
+        if isinstance(place, list):
+            index = int(part) if part.isascii() and part.isdigit() and len(part) < 10 else -1
+            if not 0 <= index < len(place):
+                allowed = f"{here} has {len(place)} entries, counted from 0"
+                raise CaseError(f"override {key} does not fit: {allowed}.")
+            part = index
+        elif not isinstance(place, dict):
+            raise CaseError(f"override {key} does not fit: {here} is {shown(place)}, not a table.")
+        elif part.isdigit():
+            raise CaseError(f"override {key} does not fit: this case sets no list {here}.")
+        if depth == len(parents):
+            place[part] = value
+        else:
+            place = place[part] if isinstance(place, list) else place.setdefault(part, {})

@@ -1,0 +1,70 @@
+"""The smoothed profile method: the only place where flow and particles meet.
+
+predict                (γuˢ − Σα_q uⁿ⁻q)/Δt + N = ν∇²uˢ − ∇pⁿ + g
+impose rigid motion    u** = uˢ + φ(u_p − uˢ)
+project                ∇²δp = (γ/Δt)∇·u**,   uⁿ⁺¹ = u** − (Δt/γ)∇δp,   pⁿ⁺¹ = pⁿ + δp
+"""
+
+from collections.abc import Callable
+
+from smoothprofile.errors import CaseError
+from smoothprofile.flow.advance import Flow
+from smoothprofile.flow.state import FlowState
+from smoothprofile.particles.particles import Particles
+
+Coupling = Callable[[Flow, Particles, FlowState, float], None]
+
+
+def incremental(flow: Flow, particles: Particles, state: FlowState, dt: float) -> None:
+    """One step with the old pressure in the predictor and one projection, after the impulse.
+
+    At steady state δp = 0, so that the velocity inside a held body is exactly its own.
+    """
+    move_and_paint(flow, particles, state, dt)
+    step = flow.predict(state, dt)
+    hold_mean(flow, particles, step.velocity)
+    particles.impose(step.velocity, step.scheme, dt)
+    flow.project(state, step)
+    flow.finish(state, step)
+
+
+def thesis(flow: Flow, particles: Particles, state: FlowState, dt: float) -> None:
+    """One step as the thesis' (2.6)–(2.12): no old pressure, p* before the impulse, q after it.
+
+    The velocity inside keeps the leak Δt∇q of the second projection.
+    """
+    move_and_paint(flow, particles, state, dt)
+    step = flow.predict(state, dt, pressure_weight=0.0)
+    state.pressure[...] = 0.0
+    flow.project(state, step)
+    hold_mean(flow, particles, step.velocity)
+    particles.impose(step.velocity, step.scheme, dt)
+    flow.project(state, step)
+    flow.finish(state, step)
+
+
+COUPLINGS: dict[str, Coupling] = {"incremental": incremental, "thesis": thesis}
+
+
+def coupling_named(name: str) -> Coupling:
+    """The coupling of that name; CaseError with the list of names otherwise."""
+    if name not in COUPLINGS:
+        raise CaseError(f"time.coupling is {name!r}; it must be one of {', '.join(COUPLINGS)}.")
+    return COUPLINGS[name]
+
+
+def move_and_paint(flow: Flow, particles: Particles, state: FlowState, dt: float) -> None:
+    """Bodies to their places at the end of the step, and φ with them."""
+    particles.move(state.time + dt, state.time, flow.parameters.scheme.levels)
+    particles.paint()
+
+
+def hold_mean(flow: Flow, particles: Particles, velocity: tuple) -> None:
+    """Hold the mean velocity that the flow will have once rigid motion is imposed."""
+
+    def mean(field, axis, is_velocity):
+        return flow.mean_flow.plain_mean(field, axis) + particles.added_mean(
+            field, axis, is_velocity
+        )
+
+    flow.mean_flow.hold(velocity, mean)

@@ -1,0 +1,93 @@
+"""Watch on a flow: its largest speed and change, and whether it is still a flow."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit, prange
+
+from smoothprofile.errors import BlowUpError
+from smoothprofile.flow.state import FlowState, Velocity
+from smoothprofile.grid import AXIS_NAMES, Grid
+
+LARGEST_COURANT = 100.0
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """max|u| and max|uⁿ⁺¹−uⁿ| of each component, over the last step."""
+
+    speed: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    change: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def rate(self, dt: float) -> float:
+        """max|∂u/∂t| / max|u|, per unit time; 0 for a fluid at rest."""
+        return max(self.change) / (dt * max(self.speed)) if max(self.speed) > 0 else 0.0
+
+
+def extremes(new: Velocity, old: Velocity) -> Extremes:
+    """Largest values and changes of a velocity; not a number if any plane holds one."""
+    planes = np.zeros((new[0].shape[0] - 2, 6))
+    _extremes(*new, *old, planes)
+    found = planes.max(axis=0)
+    return Extremes(tuple(found[:3].tolist()), tuple(found[3:].tolist()))
+
+
+def watch(grid: Grid, state: FlowState, found: Extremes, dt: float, advection: bool) -> None:
+    """BlowUpError, naming field, cell, time and limit, once the flow has ceased to be one.
+
+    The direct solves spread a NaN over the whole field within one step. With advection, a
+    Courant number Σ|u_d|Δt/h_d over 100 is no stable step of any scheme here.
+    """
+    bad = [c for c in range(3) if not np.isfinite(found.speed[c])]
+    if bad:
+        c = bad[0]
+        raise BlowUpError(
+            f"{_place(grid, state, c, ~np.isfinite(state.velocity[c][1:-1, 1:-1, 1:-1]))} is not "
+            f"finite; the step Δt = {dt:.4g} is too large for this flow."
+        )
+    courant = sum(s * dt / h for s, h in zip(found.speed, grid.smallest_widths, strict=True))
+    if advection and courant > LARGEST_COURANT:
+        c = int(np.argmax(found.speed))
+        size = np.abs(state.velocity[c][1:-1, 1:-1, 1:-1])
+        raise BlowUpError(
+            f"{_place(grid, state, c, size == size.max())} has grown to {found.speed[c]:.3g}: the "
+            f"Courant number is {courant:.3g} and may not exceed {LARGEST_COURANT:g}; "
+            f"the step Δt = {dt:.4g} is too large for this flow."
+        )
+
+
+def _place(grid: Grid, state: FlowState, c: int, where: np.ndarray) -> str:
+    cell = np.unravel_index(int(np.argmax(where)), where.shape)
+    centre = ", ".join(f"{a.centres[i]:.4g}" for a, i in zip(grid.axes, cell, strict=True))
+    index = ", ".join(str(int(i)) for i in cell)
+    return (
+        f"At time {state.time:.6g} (step {state.steps}) the velocity component {AXIS_NAMES[c]} "
+        f"in cell ({index}) at ({centre})"
+    )
+
+
+@njit(parallel=True, cache=True)
+def _extremes(u, v, w, u0, v0, w0, planes):
+    nz = u.shape[2] - 1
+    for i in prange(1, u.shape[0] - 1):
+        # One running maximum a column, so that the inner loop vectorises.
+        best = np.zeros((6, nz + 1), u.dtype)
+        for j in range(1, u.shape[1] - 1):
+            _row(u[i, j], u0[i, j], best[0], best[3])
+            _row(v[i, j], v0[i, j], best[1], best[4])
+            _row(w[i, j], w0[i, j], best[2], best[5])
+        for m in range(6):
+            planes[i - 1, m] = best[m].max()
+        # A comparison with NaN is false, so it hides from a maximum; one sample a plane finds it.
+        for m, f in enumerate((u, v, w)):
+            sample = f[i, u.shape[1] // 2, u.shape[2] // 2]
+            if not np.isfinite(sample):
+                planes[i - 1, m] = sample if np.isnan(sample) else np.inf
+
+
+@njit(inline="always")
+def _row(new, old, speed, change):
+    for k in range(1, new.size - 1):
+        a, b = abs(new[k]), abs(new[k] - old[k])
+        speed[k] = a if a > speed[k] else speed[k]
+        change[k] = b if b > change[k] else change[k]

@@ -1,0 +1,130 @@
+"""Pairing of time step and smoothing: which Δt a case takes, and how far its surfaces are moved.
+
+    Δt = (k ξ)²/ν with the scheme's and the profile's best k, bounded by the advective limit
+    painted distance = d − offset₀ − offset₁(κ₁+κ₂)
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from smoothprofile import calibration
+from smoothprofile.config import Case
+from smoothprofile.distances import CAPSULE, CYLINDER, ELLIPSOID, SPHERE
+from smoothprofile.flow.stability import largest_stable_step
+from smoothprofile.grid import Grid
+from smoothprofile.schemes import scheme_named
+from smoothprofile.shapes import Part, Shape
+
+ADVECTIVE_SHARE = 0.9
+FREE_SHARE = 0.4
+STEPS_WITHOUT_LIMIT = 200
+
+
+@dataclass(frozen=True)
+class Pairing:
+    """The step of a run and what bounds it.
+
+    limit       largest stable Δt at the speeds expected beforehand
+    paired      (k ξ)²/ν with the best k; None without particles
+    ratio       √(νΔt)/ξ of the step taken, beside best_ratio; None without particles
+    shift       s₀(ratio): how far a flat wall retreats, in ξ
+    """
+
+    step: float
+    limit: float
+    speed: tuple[float, float, float]
+    paired: float | None = None
+    ratio: float | None = None
+    best_ratio: float | None = None
+    shift: float | None = None
+
+
+def pair(case: Case, grid: Grid, speed: tuple[float, float, float]) -> Pairing:
+    """The step that the case asks for, or with "auto" the best one that is stable."""
+    nu = case.fluid.viscosity / case.fluid.density
+    scheme = scheme_named(case.time.scheme)
+    walled = tuple(
+        case.domain.sides[f"{name}_low"] == case.domain.sides[f"{name}_high"] == "wall"
+        for name in "xyz"
+    )
+    moving = speed if case.fluid.advection else (0.0, 0.0, 0.0)
+    limit = largest_stable_step(grid, walled, nu, moving, scheme)
+    if not case.particles:
+        free = FREE_SHARE * limit if math.isfinite(limit) else case.time.end / STEPS_WITHOUT_LIMIT
+        step = free if case.time.step == "auto" else case.time.step
+        return Pairing(step, limit, speed)
+    xi, kind = case.profile.thickness, case.profile.kind
+    best = calibration.best_time_step(xi, nu, kind, scheme)
+    step = min(best, ADVECTIVE_SHARE * limit) if case.time.step == "auto" else case.time.step
+    ratio = math.sqrt(nu * step) / xi
+    return Pairing(
+        step,
+        limit,
+        speed,
+        best,
+        ratio,
+        calibration.best_ratio(kind, scheme),
+        calibration.interface_shift(kind, ratio, scheme),
+    )
+
+
+def expected_speed(case: Case, reaches: list[float]) -> tuple[float, float, float]:
+    """Largest |u| along each axis that the case's own numbers announce.
+
+    Walls, bodies (with their spin at their reach), the initial and the mean velocity (twice it,
+    for a developed profile), and the creeping flow g L²/(8μ) that a body force drives.
+    """
+    fluid, domain = case.fluid, case.domain
+    speeds = [np.abs(fluid.initial_velocity)]
+    speeds += [signal.maximum for signal in fluid.wall_velocity.given().values()]
+    mean = np.zeros(3)
+    for axis, value in fluid.mean_velocity.given().items():
+        mean[axis] = 2.0 * abs(value)
+    speeds.append(mean)
+    for particle, reach in zip(case.particles, reaches, strict=True):
+        spin = float(np.linalg.norm(particle.angular_velocity.maximum))
+        tip = spin * reach if math.isfinite(reach) else 0.0
+        speeds.append(particle.velocity.maximum + tip)
+    gaps = [length for length, free in zip(domain.lengths, domain.periodic, strict=True) if not free]
+    if gaps:
+        speeds.append(np.abs(fluid.body_force) * min(gaps) ** 2 / (8 * fluid.viscosity))
+    return tuple(np.max(speeds, axis=0).tolist())
+
+
+def surface_offsets(case: Case, shape: Shape, step: float, turning: bool) -> np.ndarray:
+    """(parts, 2): offset₀ and offset₁ of each part of a body, for the step in use.
+
+    With retract = true, spheres and cylinders take the radius of the radial Stokes problem, other
+    curved parts the planar shift and the sphere's correction at their local curvature, flat ones
+    the planar shift. The radial theory is that of the incremental coupling, so the thesis' takes
+    the planar shift. turning: the body only rotates, and is painted for its torque.
+    """
+    retract = case.profile.retract
+    offsets = np.zeros((len(shape.parts), 2))
+    if retract is False:
+        return offsets
+    nu = case.fluid.viscosity / case.fluid.density
+    arguments = (case.profile.thickness, math.sqrt(nu * step), case.profile.kind, case.time.scheme)
+    thickness, viscous_length, kind, scheme = arguments
+    planar = thickness * calibration.interface_shift(kind, viscous_length / thickness, scheme)
+    radial = retract != "planar" and case.time.coupling == "incremental"
+    motion = "rotation" if turning else "translation"
+    for row, part in zip(offsets, shape.parts, strict=True):
+        row[:] = _radial_offset(part, arguments, motion) if radial else (planar, 0.0)
+    return offsets
+
+
+def _radial_offset(part: Part, arguments: tuple, motion: str) -> tuple[float, float]:
+    radius = float(part.size[0])
+    if part.kind == SPHERE:
+        return calibration.painted_radius(radius, *arguments, motion, "sphere") - radius, 0.0
+    if part.kind == CYLINDER:
+        return calibration.painted_radius(radius, *arguments, motion, "cylinder") - radius, 0.0
+    if part.kind in (ELLIPSOID, CAPSULE):
+        mean = float(np.cbrt(np.prod(part.size))) if part.kind == ELLIPSOID else radius
+        return calibration.surface_offset(mean, *arguments, motion)
+    thickness, viscous_length, kind, scheme = arguments
+    ratio = viscous_length / thickness
+    return thickness * calibration.interface_shift(kind, ratio, scheme), 0.0

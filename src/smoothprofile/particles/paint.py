@@ -1,0 +1,181 @@
+"""Painting: the indicator φ of each body at the velocity points of its window.
+
+    φ = φ(d(x)/ξ),   d = min over the parts of d_part − offset₀ − offset₁(κ₁+κ₂)
+
+The cost is proportional to the painted volume.
+"""
+
+import math
+
+import numpy as np
+from numba import njit, prange
+
+from smoothprofile.boundaries import FieldBoundary
+from smoothprofile.distances import CAPSULE, ELLIPSOID, curvature, signed_distance
+from smoothprofile.grid import Grid
+from smoothprofile.particles.bodies import BodyState, Forms
+from smoothprofile.particles.windows import Windows, windows_around
+from smoothprofile.profiles import Profile, indicator
+
+
+class Painter:
+    """Paints bodies of given forms with one profile and thickness ξ on one grid."""
+
+    def __init__(
+        self,
+        grid: Grid,
+        boundaries: tuple[FieldBoundary, ...],
+        forms: Forms,
+        profile: Profile,
+        thickness: float,
+    ):
+        self.grid, self.forms, self.profile, self.thickness = grid, forms, profile, thickness
+        self._boundaries = boundaries
+        self._points = [np.stack([a.padded_centres, a.padded_faces]) for a in grid.axes]
+        self.windows: Windows | None = None
+        self.indicator = np.empty(0, grid.dtype)
+        self._painted_at: tuple[np.ndarray, np.ndarray] | None = None
+
+    def paint(self, state: BodyState) -> None:
+        """Bring windows and φ to where the bodies are; nothing to do for bodies that stayed."""
+        if self._painted_at is not None and all(
+            np.array_equal(old, new)
+            for old, new in zip(self._painted_at, (state.position, state.quaternion), strict=True)
+        ):
+            return
+        rotation = state.rotation
+        self.windows = windows_around(
+            self.grid, self._boundaries, state.position, self.half_sides(rotation)
+        )
+        if self.indicator.size < self.windows.points:
+            self.indicator = np.empty(self.windows.points, self.grid.dtype)
+        w, f = self.windows, self.forms
+        _paint(
+            self.indicator,
+            *self.table(),
+            state.position,
+            rotation,
+            f.part_start,
+            f.kind,
+            f.size,
+            f.place,
+            f.turn,
+            f.offset,
+            self.profile.code,
+            self.thickness,
+            self.profile.half_width,
+        )
+        self._painted_at = (state.position.copy(), state.quaternion.copy())
+
+    def half_sides(self, rotation: np.ndarray) -> np.ndarray:
+        """(n,3) half sides of the boxes that hold everything painted."""
+        extents = self.forms.extents[:, None, :]
+        tilted = np.where(np.abs(rotation) > 1e-14, np.abs(rotation), 0.0)
+        with np.errstate(invalid="ignore"):
+            reach = np.where(tilted > 0.0, tilted * extents, 0.0).sum(axis=2)
+        start = self.forms.part_start
+        grown = np.array(
+            [max(0.0, float(self.growth()[a:b].max())) for a, b in zip(start, start[1:], strict=False)]
+        )
+        return reach + (grown + self.profile.half_width * self.thickness)[:, None]
+
+    def growth(self) -> np.ndarray:
+        """(parts,) the most by which the painted surface lies outside the true one."""
+        kind, size, offset = self.forms.kind, self.forms.size, self.forms.offset
+        smallest = np.where(size > 0, size, np.inf).min(axis=1, initial=np.inf)
+        largest = np.where(np.isfinite(size), size, 0.0).max(axis=1, initial=0.0)
+        # κ₁+κ₂ is at most twice that of the sharpest tip, of radius (smallest²/largest).
+        tip = np.where(kind == ELLIPSOID, largest / smallest**2, 1.0 / smallest)
+        return offset[:, 0] + np.maximum(0.0, offset[:, 1] * 2.0 * tip)
+
+    def dense(self, component: int) -> np.ndarray:
+        """φ of all bodies at one component's points, as a padded field."""
+        field = self.grid.zeros()
+        w = self.windows
+        for b in range(w.first.shape[0]):
+            shape = w.count[b, component]
+            at = w.start[b, component]
+            block = self.indicator[at : at + shape.prod()].reshape(shape)
+            places = [
+                (w.first[b, component, d] - 1 + np.arange(shape[d])) % self.grid.shape[d] + 1
+                for d in range(3)
+            ]
+            field[np.ix_(*places)] += block
+        return field
+
+    def centred(self) -> np.ndarray:
+        """(nx,ny,nz): φ at the cell centres, the mean over the six faces of each cell."""
+        total = np.zeros(self.grid.shape)
+        for c in range(3):
+            f = np.moveaxis(self.dense(c), c, 0)
+            if self.grid.axes[c].periodic:
+                f[-1] = f[1]
+            else:
+                # The wall faces carry no unknown and are not painted.
+                f[1], f[-1] = f[2], f[-2]
+            total += np.moveaxis(0.5 * (f[1:-1] + f[2:])[:, 1:-1, 1:-1], 0, c)
+        return np.clip(total / 3.0, 0.0, 1.0)
+
+    def table(self) -> tuple:
+        """What every loop over windows needs: the boxes and the coordinates of their points."""
+        w = self.windows
+        lengths = np.array(self.grid.lengths)
+        return w.task, w.first, w.count, w.image, w.start, *self._points, lengths
+
+
+@njit(parallel=True, cache=True, error_model="numpy")
+def _paint(
+    phi, task, first, count, image, start, px, py, pz, lengths,
+    position, rotation, part_start, kind, size, place, turn, offset, code, xi, half_width,
+):  # fmt: skip
+    for t in prange(task.shape[0]):
+        b, c, i = task[t]
+        x = coordinate(px, c == 0, first[b, c, 0] + i, image[b, c, 0], lengths[0]) - position[b, 0]
+        ny, nz = count[b, c, 1], count[b, c, 2]
+        r = rotation[b]
+        for j in range(ny):
+            y = coordinate(py, c == 1, first[b, c, 1] + j, image[b, c, 1], lengths[1])
+            y -= position[b, 1]
+            at = start[b, c] + (i * ny + j) * nz
+            for k in range(nz):
+                z = coordinate(pz, c == 2, first[b, c, 2] + k, image[b, c, 2], lengths[2])
+                z -= position[b, 2]
+                d = _body_distance(
+                    r[0, 0] * x + r[1, 0] * y + r[2, 0] * z,
+                    r[0, 1] * x + r[1, 1] * y + r[2, 1] * z,
+                    r[0, 2] * x + r[1, 2] * y + r[2, 2] * z,
+                    part_start[b], part_start[b + 1], kind, size, place, turn, offset,
+                )  # fmt: skip
+                s = d / xi
+                if s > half_width:
+                    phi[at + k] = 0.0
+                elif s < -half_width:
+                    phi[at + k] = 1.0
+                else:
+                    phi[at + k] = indicator(code, s)
+
+
+@njit(inline="always")
+def coordinate(points, on_face, index, image, length):
+    """Coordinate of padded index `index`, which may run one period past the end of the axis."""
+    n = points.shape[1] - 2
+    row = 1 if on_face else 0
+    if index > n:
+        return points[row, index - n] + (image + 1) * length
+    return points[row, index] + image * length
+
+
+@njit
+def _body_distance(x, y, z, begin, end, kind, size, place, turn, offset):
+    nearest = math.inf
+    for p in range(begin, end):
+        m = turn[p]
+        dx, dy, dz = x - place[p, 0], y - place[p, 1], z - place[p, 2]
+        a = m[0, 0] * dx + m[1, 0] * dy + m[2, 0] * dz
+        b = m[0, 1] * dx + m[1, 1] * dy + m[2, 1] * dz
+        c = m[0, 2] * dx + m[1, 2] * dy + m[2, 2] * dz
+        d = signed_distance(kind[p], size[p, 0], size[p, 1], size[p, 2], a, b, c) - offset[p, 0]
+        if offset[p, 1] != 0.0 and (kind[p] == ELLIPSOID or kind[p] == CAPSULE):
+            d -= offset[p, 1] * curvature(kind[p], size[p, 0], size[p, 1], size[p, 2], a, b, c)
+        nearest = min(nearest, d)
+    return nearest

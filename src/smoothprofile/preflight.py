@@ -1,0 +1,202 @@
+"""What can be said of a case before it runs: resolution, limits on Δt, memory, disk, time.
+
+Each check is a row name, value, limit, verdict, note; the verdict "refuse" stops a run before it
+starts, "warn" does not.
+"""
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from smoothprofile.config import Case, build_shape
+from smoothprofile.errors import CaseError
+from smoothprofile.grid import Grid
+from smoothprofile.pairing import Pairing, surface_offsets
+from smoothprofile.profiles import profile_named
+from smoothprofile.schemes import scheme_named
+from smoothprofile.threads import thread_count
+
+Check = dict[str, Any]
+
+FEW_LAYERS = 3.0
+FAR_FROM_BEST = 0.1
+# Measured on one core of a 2024 server, in double precision; a step's cost is linear in cells.
+SECONDS_PER_CELL = 6e-8
+# State, provisional velocity, advection, δp, and the copies that output makes.
+FIELDS_PER_CELL = 19
+FIELDS_PER_LEVEL = 6
+
+
+def checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
+    """Every check of a case on its grid with the step that it will take."""
+    found = [_advective_limit(case, pairing)]
+    if case.particles:
+        found += _layer(case, grid, pairing)
+        found += _surfaces(case, pairing)
+    found += [_memory(case, grid), _disk(case, grid), _duration(case, grid, pairing)]
+    return found
+
+
+def refuse(found: list[Check]) -> None:
+    """CaseError with the note of the first check that refuses."""
+    for check in found:
+        if check["verdict"] == "refuse":
+            raise CaseError(check["note"])
+
+
+def check_memory(case: Case) -> None:
+    """CaseError if the mesh would not fit, before anything of its size is made."""
+    cells = math.prod(case.domain.cells)
+    check = _memory_check(case, cells)
+    if check["verdict"] == "refuse":
+        raise CaseError(check["note"])
+
+
+def _check(name: str, value: Any, limit: Any, verdict: str, note: str) -> Check:
+    return {"name": name, "value": value, "limit": limit, "verdict": verdict, "note": note}
+
+
+def _advective_limit(case: Case, pairing: Pairing) -> Check:
+    speed = ", ".join(f"{s:.3g}" for s in pairing.speed)
+    note = f"largest stable Δt of {case.time.scheme} with speeds up to ({speed})"
+    verdict = "ok"
+    if pairing.step > pairing.limit:
+        verdict = "refuse"
+        note = (
+            f"time.step is {pairing.step:g}; with speeds up to ({speed}) {case.time.scheme} is "
+            f"stable only up to {pairing.limit:.4g}."
+        )
+    return _check("time step", pairing.step, pairing.limit, verdict, note)
+
+
+def _layer(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
+    xi = case.profile.thickness
+    smallest = min(particle.thinnest[1] for particle in case.particles)
+    # A profile that is compact needs its cells within its own width, not within ξ of tanh.
+    width = _widest_cell(case, grid)
+    across = xi / width
+    rows = []
+    if math.isfinite(smallest):
+        layers = smallest / xi
+        verdict = "ok" if layers >= FEW_LAYERS else "warn"
+        note = "smallest radius or half side over ξ; the correction for curvature is small above 3"
+        rows.append(_check("a/ξ", layers, FEW_LAYERS, verdict, note))
+    least = 1.0 if case.profile.kind == "tanh" else 3.0
+    verdict = "ok" if across >= least else "warn"
+    note = f"the {case.profile.kind} interface is resolved from about {least:g} cells on"
+    rows.append(_check("ξ/Δx", across, least, verdict, note))
+    off = abs(pairing.ratio / pairing.best_ratio - 1.0)
+    verdict = "ok" if off < FAR_FROM_BEST or case.profile.retract is not False else "warn"
+    note = f"best for {case.profile.kind} and {case.time.scheme}; " + (
+        "surfaces are moved for the step in use"
+        if case.profile.retract is not False
+        else "retract is off, so this sets how far surfaces act from where they are"
+    )
+    rows.append(_check("√(νΔt)/ξ", pairing.ratio, pairing.best_ratio, verdict, note))
+    return rows
+
+
+def _widest_cell(case: Case, grid: Grid) -> float:
+    """The widest cell that a painted layer may meet: of the whole grid, or near bounded bodies."""
+    widest = 0.0
+    for particle in case.particles:
+        reach = build_shape(particle).reach + 2.0 * case.profile.thickness
+        for d, axis in enumerate(grid.axes):
+            near = np.abs(axis.centres - particle.position[d]) <= reach + axis.widths
+            if near.any() and axis.cells > 1 and not _invariant(case, d):
+                widest = max(widest, float(axis.widths[near].max()))
+    return widest or max(float(axis.widths.max()) for axis in grid.axes)
+
+
+def _invariant(case: Case, d: int) -> bool:
+    """Whether no surface of the case varies along axis d, so that its cells may be wide."""
+    directions = [
+        (particle.direction, particle.shape, particle.bounded) for particle in case.particles
+    ]
+    if any(bounded or direction is None for direction, _, bounded in directions):
+        return False
+    return all(
+        (shape == "plane" and direction[d] == 0)
+        or (shape == "cylinder" and abs(direction[d]) == np.linalg.norm(direction))
+        for direction, shape, _ in directions
+    )
+
+
+def _surfaces(case: Case, pairing: Pairing) -> list[Check]:
+    xi = case.profile.thickness
+    rows = [
+        _check(
+            "interface shift s₀",
+            pairing.shift,
+            0.0,
+            "ok",
+            f"a flat wall acts {abs(pairing.shift * xi):.4g} "
+            + ("inside" if pairing.shift > 0 else "outside")
+            + " the painted surface",
+        )
+    ]
+    seen = set()
+    for particle in case.particles:
+        shape = build_shape(particle)
+        turning = particle.angular_velocity.maximum.any() and not particle.velocity.maximum.any()
+        offset = surface_offsets(case, shape, pairing.step, bool(turning))
+        key = (particle.shape, particle.thinnest[1], bool(turning), offset.tobytes())
+        if key in seen:
+            continue
+        seen.add(key)
+        moved = float(offset[0, 0])
+        note = "painted surface moved outward by this much, so that it acts where it is"
+        rows.append(_check(f"surface of {particle.name}", moved, xi, "ok", note))
+    return rows
+
+
+def _memory(case: Case, grid: Grid) -> Check:
+    return _memory_check(case, math.prod(grid.padded_shape))
+
+
+def _memory_check(case: Case, cells: int) -> Check:
+    levels = scheme_named(case.time.scheme).levels
+    fields = FIELDS_PER_CELL + FIELDS_PER_LEVEL * (levels - 1)
+    if case.particles:
+        fields += 6
+    need = cells * fields * (8 if case.domain.precision == "double" else 4)
+    free = _free_memory()
+    verdict = "ok" if need < free else "refuse"
+    note = f"{fields} fields of {cells} cells"
+    if verdict == "refuse":
+        shown = "×".join(str(n) for n in case.domain.cells)
+        note = (
+            f"domain.cells is {shown}, which needs about {need / 2**30:.3g} GiB of memory; "
+            f"{free / 2**30:.3g} GiB are free."
+        )
+    return _check("memory (GiB)", need / 2**30, free / 2**30, verdict, note)
+
+
+def _free_memory() -> int:
+    info = Path("/proc/meminfo")
+    if info.is_file():
+        for line in info.read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                return int(line.split()[1]) * 1024
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+
+
+def _disk(case: Case, grid: Grid) -> Check:
+    columns = {"velocity": 3, "pressure": 1, "indicator": 1}
+    every = case.output.fields_every
+    snapshots = 1 + (math.floor(case.time.end / every) if every else 0)
+    size = snapshots * 4 * grid.cell_count * sum(columns[name] for name in case.output.fields)
+    return _check("disk (GiB)", size / 2**30, None, "ok", f"{snapshots} snapshots, uncompressed")
+
+
+def _duration(case: Case, grid: Grid, pairing: Pairing) -> Check:
+    steps = math.ceil(case.time.end / pairing.step - 1e-9)
+    if case.time.max_steps:
+        steps = min(steps, case.time.max_steps)
+    seconds = steps * SECONDS_PER_CELL * grid.cell_count / thread_count() ** 0.75
+    note = f"{steps} steps at most, a rough estimate for {thread_count()} threads"
+    return _check("time (s)", seconds, None, "ok", note)
+

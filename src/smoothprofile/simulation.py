@@ -1,0 +1,311 @@
+"""The loop: steps, stop rules, history, and what a run looks like from Python.
+
+    import smoothprofile as sp
+    simulation = sp.Simulation.from_file("duct")
+    simulation.run()
+    simulation.particles[0]["force"]
+"""
+
+import time as clock
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from smoothprofile import sampling
+from smoothprofile.assembly import build_flow, build_grid, build_particles, initial_state
+from smoothprofile.boundaries import fill_ghosts, pressure_boundary
+from smoothprofile.config import Case, build_shape, load_case
+from smoothprofile.coupling import coupling_named
+from smoothprofile.errors import CaseError
+from smoothprofile.flow.monitor import Extremes, extremes, watch
+from smoothprofile.grid import AXIS_NAMES, interior
+from smoothprofile.pairing import expected_speed, pair
+from smoothprofile.particles.motion import Course
+from smoothprofile.preflight import Check, check_memory, checks, refuse
+from smoothprofile.threads import thread_count
+
+Observer = Callable[["Simulation"], None]
+
+
+class Simulation:
+    """One run of a case. Bad cases raise CaseError here, before any step is taken."""
+
+    def __init__(self, case: Case, courses: Mapping[str, Course] | None = None):
+        """courses: for some bodies by name, a function t -> (position, quaternion, V, Ω)."""
+        check_memory(case)
+        self.case = case
+        self.grid = build_grid(case.domain)
+        reaches = [build_shape(particle).reach for particle in case.particles]
+        self.pairing = pair(case, self.grid, expected_speed(case, reaches))
+        self._checks = checks(case, self.grid, self.pairing)
+        refuse(self._checks)
+        self._courses = dict(courses or {})
+        self.flow = build_flow(case, self.grid)
+        self.state = initial_state(case, self.flow)
+        self.bodies = build_particles(case, self.flow, self.pairing.step, self._by_number())
+        self._couple = coupling_named(case.time.coupling)
+        self.status = "running"
+        self.wall_seconds = 0.0
+        self.extremes = Extremes()
+        self.history: dict[str, list] = {}
+        self.preliminary: list[dict[str, Any]] = []
+
+    @classmethod
+    def from_file(
+        cls, case: str | Path | dict, overrides: Mapping | list | None = None
+    ) -> "Simulation":
+        """From a TOML file, a built-in case's name or a dict; {"time.end": 2} changes it."""
+        return cls(load_case(case, overrides or {}))
+
+    @property
+    def time(self) -> float:
+        return self.state.time
+
+    @property
+    def steps(self) -> int:
+        return self.state.steps
+
+    @property
+    def time_step(self) -> float:
+        return self.pairing.step
+
+    def run(self, observer: Observer | None = None) -> dict[str, Any]:
+        """Run the preliminary stages and then the case to its end; returns the summary."""
+        if self.steps == 0 and self.case.start:
+            self._run_preliminary(observer)
+        while self.status == "running":
+            self.step_once()
+            if observer:
+                observer(self)
+        return self.summary()
+
+    def step_once(self) -> None:
+        """One step, its watch, its row of history, and the decision whether to go on."""
+        began = clock.perf_counter()
+        old = self.state.velocity
+        self._couple(self.flow, self.bodies, self.state, self.time_step)
+        self.extremes = extremes(self.state.velocity, old)
+        watch(self.grid, self.state, self.extremes, self.time_step, self.case.fluid.advection)
+        self.status = self._decide()
+        if self.steps % self.case.output.every == 0 or self.status != "running":
+            self._record()
+        self.wall_seconds += clock.perf_counter() - began
+
+    def continue_from(self, other: "Simulation") -> None:
+        """Start from the fields of another run over the same box, at this run's own time 0."""
+        for c in range(3):
+            values = sampling.onto(self.grid, other.grid, other.state.velocity[c], c)
+            interior(self.state.velocity[c])[...] = values
+        pressure = sampling.onto(
+            self.grid, other.grid, other.state.pressure, sampling.CENTRED
+        )
+        interior(self.state.pressure)[...] = pressure
+        fill_ghosts(self.state.pressure, pressure_boundary(self.grid))
+        self.flow.fill(self.state.velocity, 0.0)
+        # What interpolation left of divergence must not become pressure in the first step.
+        self.flow.projection.solve(self.state.velocity, 1.0)
+        self.flow.projection.correct(self.state.velocity, 1.0)
+        self.flow.fill(self.state.velocity, 0.0)
+
+    def _run_preliminary(self, observer: Observer | None) -> None:
+        previous = None
+        for stage in self.case.stages()[:-1]:
+            run = Simulation(stage, self._courses)
+            if previous is not None:
+                run.continue_from(previous)
+            run.run(observer)
+            self.preliminary.append(
+                {
+                    "cells": list(run.grid.shape),
+                    "steps": run.steps,
+                    "time": run.time,
+                    "status": run.status,
+                    "wall_seconds": run.wall_seconds,
+                }
+            )
+            previous = run
+        self.continue_from(previous)
+
+    def _decide(self) -> str:
+        rules = self.case.time
+        if rules.steady_tolerance and self.steps > 1:
+            if self.extremes.rate(self.time_step) < rules.steady_tolerance:
+                return "steady"
+        if self.time >= rules.end * (1 - 1e-12):
+            return "finished"
+        if rules.max_steps and self.steps >= rules.max_steps:
+            return "max_steps"
+        return "running"
+
+    def _by_number(self) -> dict[int, Course]:
+        names = [particle.name for particle in self.case.particles]
+        for name in self._courses:
+            if name not in names:
+                raise CaseError(f"courses names {name!r}; the bodies are {', '.join(names)}.")
+        return {names.index(name): course for name, course in self._courses.items()}
+
+    def _record(self) -> None:
+        wall = self.wall_force
+        row = {
+            "step": self.steps,
+            "time": self.time,
+            "max_speed": max(self.extremes.speed),
+            "change_rate": self.extremes.rate(self.time_step),
+            "wall_force": wall["total"],
+            "body_force": self.bodies.state.force.sum(axis=0),
+            "driving_force": self.driving_force,
+        }
+        for name, value in row.items():
+            self.history.setdefault(name, []).append(value)
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """(3,nx,ny,nz) at the cell centres."""
+        return sampling.centred_velocity(self.state.velocity)
+
+    @property
+    def pressure(self) -> np.ndarray:
+        """(nx,ny,nz), in the case's own units of pressure, with zero mean."""
+        return self.case.fluid.density * interior(self.state.pressure)
+
+    @property
+    def indicator(self) -> np.ndarray:
+        """(nx,ny,nz): φ of all bodies at the cell centres, as painted."""
+        return self.bodies.painter.centred()
+
+    @property
+    def driving_force(self) -> np.ndarray:
+        """(3,) body force per unit volume, with what holds the mean velocity."""
+        held = self.case.fluid.density * self.flow.mean_flow.force
+        return np.asarray(self.case.fluid.body_force) + held
+
+    @property
+    def wall_force(self) -> dict[str, np.ndarray]:
+        """Force of the fluid on each wall over the last step, and their total."""
+        forces = self.flow.wall_force(self.state)
+        return forces | {"total": sum(forces.values(), np.zeros(3))}
+
+    @property
+    def particles(self) -> list[dict[str, Any]]:
+        """One dict a body: place, motion, loads, and the fluid's velocity at its centre."""
+        state = self.bodies.state
+        offset = self.bodies.painter.forms.offset[self.bodies.painter.forms.part_start[:-1], 0]
+        inside = [
+            sampling.interpolate(self.grid, field, c, state.position)
+            for c, field in enumerate(self.state.velocity)
+        ]
+        return [
+            {
+                "name": particle.name,
+                "shape": particle.shape,
+                "position": state.position[b].copy(),
+                "velocity": state.velocity[b].copy(),
+                "angular_velocity": state.angular_velocity[b].copy(),
+                "orientation": state.quaternion[b].copy(),
+                "force": state.force[b].copy(),
+                "torque": state.torque[b].copy(),
+                "interior_velocity": np.array([values[b] for values in inside]),
+                "painted_offset": float(offset[b]),
+            }
+            for b, particle in enumerate(self.case.particles)
+        ]
+
+    def sample_line(self, axis: str, through: tuple[float, float], component: str):
+        """Coordinates and a velocity component along `axis` through the two other coordinates."""
+        a, c = AXIS_NAMES.index(axis), AXIS_NAMES.index(component)
+        return sampling.along_line(self.grid, self.state.velocity, a, through, c)
+
+    def sample_plane(self, axis: str, at: float) -> dict[str, Any]:
+        """Speed, in-plane velocity and indicator on the cell centres of a plane."""
+        a = AXIS_NAMES.index(axis)
+        first, second = (d for d in range(3) if d != a)
+        cut = [
+            sampling.on_plane(self.grid, field, c, a, at)
+            for c, field in enumerate(self.state.velocity)
+        ]
+        solid = self.grid.zeros()
+        interior(solid)[...] = self.indicator
+        fill_ghosts(solid, pressure_boundary(self.grid))
+        return {
+            "x": self.grid.axes[first].centres,
+            "y": self.grid.axes[second].centres,
+            "speed": np.sqrt(sum(c**2 for c in cut)),
+            "velocity": np.stack([cut[first], cut[second]]),
+            "indicator": sampling.on_plane(self.grid, solid, sampling.CENTRED, a, at),
+            "labels": (AXIS_NAMES[first], AXIS_NAMES[second]),
+        }
+
+    def wall_shear(self, wall: str, component: str, along: str, at: float):
+        """Coordinates along a wall and ∂u_component/∂x_normal there."""
+        c = AXIS_NAMES.index(component)
+        axis, side = AXIS_NAMES.index(wall[0]), int(wall.endswith("high"))
+        speed = self.flow.parameters.walls.velocity_at(axis, side, self.time)[c]
+        a = AXIS_NAMES.index(along)
+        return sampling.wall_slope(self.grid, self.state.velocity, wall, c, a, at, speed)
+
+    def preflight(self) -> list[Check]:
+        """The checks made before the run; see `preflight.py`."""
+        return list(self._checks)
+
+    def summary(self) -> dict[str, Any]:
+        """The result in one dict."""
+        keys = ("name", "force", "torque", "position", "velocity", "interior_velocity")
+        earlier = sum(stage["wall_seconds"] for stage in self.preliminary)
+        return {
+            "status": self.status,
+            "steps": self.steps,
+            "time": self.time,
+            "time_step": self.time_step,
+            "wall_seconds": self.wall_seconds + earlier,
+            "seconds_per_step": self.wall_seconds / max(self.steps, 1),
+            "cells": self.grid.cell_count,
+            "threads": thread_count(),
+            "bodies": [
+                {key: body[key] for key in (*keys, "angular_velocity", "painted_offset")}
+                for body in self.particles
+            ],
+            "wall_force": self.wall_force,
+            "driving_force": self.driving_force,
+            "mean_velocity": [
+                self.flow.mean_flow.plain_mean(field, c)
+                for c, field in enumerate(self.state.velocity)
+            ],
+            "max_divergence": self.flow.projection.largest_divergence(self.state.velocity),
+            "change_rate": self.extremes.rate(self.time_step),
+            "resolution": {check["name"]: check["value"] for check in self._checks},
+            "start": self.preliminary,
+        }
+
+    def table(self) -> list[tuple[str, str, str]]:
+        """The result as rows quantity, value, note, for people."""
+        summary, pairing = self.summary(), self.pairing
+        rows = [
+            ("status", self.status, f"{self.steps} steps to t = {self.time:.6g}"),
+            ("time step", f"{self.time_step:.6g}", f"stable up to {pairing.limit:.4g}"),
+        ]
+        if pairing.ratio is not None:
+            note = f"best {pairing.best_ratio:.4f}; a flat wall retreats {pairing.shift:.4f} ξ"
+            rows.append(("√(νΔt)/ξ", f"{pairing.ratio:.4f}", note))
+        for body in self.particles:
+            name, inside = body["name"], body["interior_velocity"] - body["velocity"]
+            rows += [
+                (f"force on {name}", _vector(body["force"]), ""),
+                (f"torque on {name}", _vector(body["torque"]), "about its position"),
+                (f"slip inside {name}", f"{np.linalg.norm(inside):.3g}", "at its centre; 0 is exact"),
+                (f"surface of {name}", f"{body['painted_offset']:+.5f}", "painted outward by"),
+            ]
+        rows.append(("force on the walls", _vector(summary["wall_force"]["total"]), ""))
+        if self.flow.mean_flow.targets:
+            rows.append(("driving force", _vector(self.driving_force), "per unit volume"))
+        rows += [
+            ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
+            ("rate of change", f"{summary['change_rate']:.2g}", "max|∂u/∂t|/max|u|"),
+            ("wall-clock", f"{summary['wall_seconds']:.3g} s", f"{summary['threads']} threads"),
+        ]
+        return rows
+
+
+def _vector(values: np.ndarray) -> str:
+    return "(" + ", ".join(f"{0.0 if abs(v) < 5e-13 else v:.6g}" for v in values) + ")"

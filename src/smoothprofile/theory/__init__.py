@@ -1,0 +1,1 @@
+"""One-dimensional reduced problems and closed forms; NumPy and SciPy only."""
