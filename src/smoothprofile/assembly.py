@@ -89,9 +89,7 @@ def build_particles(
         [p.angular_velocity for p in case.particles],
         courses,
     )
-    kind, thickness = (
-        (case.profile.kind, case.profile.thickness) if case.profile else ("tanh", 1.0)
-    )
+    kind, thickness = (case.profile.kind, case.profile.thickness) if case.profile else ("tanh", 1.0)
     painter = Painter(
         flow.grid, flow.boundaries, Forms.of(shapes, offsets), profile_named(kind), thickness
     )

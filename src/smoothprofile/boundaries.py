@@ -44,7 +44,7 @@ def pressure_boundary(grid: Grid) -> FieldBoundary:
 
 
 def velocity_boundary(grid: Grid, walls: tuple, component: int) -> FieldBoundary:
-    """Of velocity `component`; walls[axis] = (low, high) of "wall" or "slip", unused if periodic."""
+    """Of velocity `component`; walls[axis] = (low, high) of "wall" or "slip" where not periodic."""
 
     def condition(axis: int, kind: str) -> Condition:
         return "value" if axis == component or kind == "wall" else "flux"

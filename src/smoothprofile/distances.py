@@ -145,9 +145,10 @@ def _ellipsoid_root(
     """s ≥ 0 with G(s) = Σ (eᵢyᵢ/(s + qᵢ))² = 1, qᵢ = eᵢ² − m², m = min eᵢ; 0 if G(0⁺) ≤ 1.
 
     The surface point nearest to y is eᵢ²yᵢ/(t + eᵢ²) with t = s − m² (Eberly, *Distance from a
-    Point to an Ellipse, an Ellipse, or a Hyperellipsoid*, Geometric Tools, 2013). 1/√G is concave
-    and increasing, so Newton's method on it, begun at Eberly's lower bound maxᵢ(eᵢ|yᵢ| − qᵢ),
-    climbs to the root without passing it and needs no bracket; for a sphere one step is exact.
+    Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid*, Geometric Tools, 2013). 1/√G is
+    concave and increasing (Moré & Sorensen, SIAM J. Sci. Stat. Comput. 4, 1983), so Newton's
+    method on it, begun at Eberly's lower bound maxᵢ(eᵢ|yᵢ| − qᵢ), climbs to the root without
+    passing it and needs no bracket; for a sphere one step is exact.
     Returns s, |y| with round-off removed, and wᵢ = 1/(s + qᵢ).
     """
     m = min(a, b, c)

@@ -1,7 +1,7 @@
 """Pairing of time step and smoothing: which Δt a case takes, and how far its surfaces are moved.
 
-    Δt = (k ξ)²/ν with the scheme's and the profile's best k, bounded by the advective limit
-    painted distance = d − offset₀ − offset₁(κ₁+κ₂)
+Δt = (k ξ)²/ν with the scheme's and the profile's best k, bounded by the advective limit
+painted distance = d − offset₀ − offset₁(κ₁+κ₂)
 """
 
 import math
@@ -87,7 +87,9 @@ def expected_speed(case: Case, reaches: list[float]) -> tuple[float, float, floa
         spin = float(np.linalg.norm(particle.angular_velocity.maximum))
         tip = spin * reach if math.isfinite(reach) else 0.0
         speeds.append(particle.velocity.maximum + tip)
-    gaps = [length for length, free in zip(domain.lengths, domain.periodic, strict=True) if not free]
+    gaps = [
+        length for length, free in zip(domain.lengths, domain.periodic, strict=True) if not free
+    ]
     if gaps:
         speeds.append(np.abs(fluid.body_force) * min(gaps) ** 2 / (8 * fluid.viscosity))
     return tuple(np.max(speeds, axis=0).tolist())

@@ -15,7 +15,6 @@ from smoothprofile.config import Case, build_shape
 from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
 from smoothprofile.pairing import Pairing, surface_offsets
-from smoothprofile.profiles import profile_named
 from smoothprofile.schemes import scheme_named
 from smoothprofile.threads import thread_count
 
@@ -199,4 +198,3 @@ def _duration(case: Case, grid: Grid, pairing: Pairing) -> Check:
     seconds = steps * SECONDS_PER_CELL * grid.cell_count / thread_count() ** 0.75
     note = f"{steps} steps at most, a rough estimate for {thread_count()} threads"
     return _check("time (s)", seconds, None, "ok", note)
-

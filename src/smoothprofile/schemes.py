@@ -19,7 +19,9 @@ from smoothprofile.errors import CaseError
 class Scheme:
     """Coefficients of one scheme; `order` is its order of accuracy in time.
 
-    `starts` are the schemes of the first steps, when 1, 2, … time levels are known.
+    `starts` are the schemes of the first steps, when 1, 2, … time levels are known. A `corrected`
+    one takes its advection as the mean of N(uⁿ) and N of a trial step, which makes a single step
+    accurate enough to start a scheme of third order.
     """
 
     name: str
@@ -29,6 +31,7 @@ class Scheme:
     advection: tuple[float, ...]
     implicit: float = 1.0
     starts: tuple["Scheme", ...] = ()
+    corrected: bool = False
 
     @property
     def levels(self) -> int:
@@ -42,6 +45,7 @@ class Scheme:
 
 _EULER = Scheme("backward-euler", 1, 1.0, (1.0,), (1.0,))
 _TRAPEZOID = Scheme("crank-nicolson", 1, 1.0, (1.0,), (1.0,), implicit=0.5)
+_CORRECTED = Scheme("trapezoid", 2, 1.0, (1.0,), (1.0,), implicit=0.5, corrected=True)
 _BDF2 = Scheme("bdf2", 2, 1.5, (2.0, -0.5), (2.0, -1.0), starts=(_EULER,))
 
 SCHEMES = {
@@ -50,7 +54,7 @@ SCHEMES = {
         _EULER,
         Scheme("crank-nicolson", 2, 1.0, (1.0,), (1.5, -0.5), 0.5, starts=(_TRAPEZOID,)),
         _BDF2,
-        Scheme("bdf3", 3, 11 / 6, (3.0, -1.5, 1 / 3), (3.0, -3.0, 1.0), starts=(_EULER, _BDF2)),
+        Scheme("bdf3", 3, 11 / 6, (3.0, -1.5, 1 / 3), (3.0, -3.0, 1.0), starts=(_CORRECTED, _BDF2)),
     )
 }
 

@@ -1,9 +1,9 @@
 """The loop: steps, stop rules, history, and what a run looks like from Python.
 
-    import smoothprofile as sp
-    simulation = sp.Simulation.from_file("duct")
-    simulation.run()
-    simulation.particles[0]["force"]
+import smoothprofile as sp
+simulation = sp.Simulation.from_file("duct")
+simulation.run()
+simulation.particles[0]["force"]
 """
 
 import time as clock
@@ -98,9 +98,7 @@ class Simulation:
         for c in range(3):
             values = sampling.onto(self.grid, other.grid, other.state.velocity[c], c)
             interior(self.state.velocity[c])[...] = values
-        pressure = sampling.onto(
-            self.grid, other.grid, other.state.pressure, sampling.CENTRED
-        )
+        pressure = sampling.onto(self.grid, other.grid, other.state.pressure, sampling.CENTRED)
         interior(self.state.pressure)[...] = pressure
         fill_ghosts(self.state.pressure, pressure_boundary(self.grid))
         self.flow.fill(self.state.velocity, 0.0)
@@ -130,9 +128,9 @@ class Simulation:
 
     def _decide(self) -> str:
         rules = self.case.time
-        if rules.steady_tolerance and self.steps > 1:
-            if self.extremes.rate(self.time_step) < rules.steady_tolerance:
-                return "steady"
+        settled = self.extremes.rate(self.time_step) < (rules.steady_tolerance or 0.0)
+        if settled and self.steps > 1:
+            return "steady"
         if self.time >= rules.end * (1 - 1e-12):
             return "finished"
         if rules.max_steps and self.steps >= rules.max_steps:
@@ -293,7 +291,11 @@ class Simulation:
             rows += [
                 (f"force on {name}", _vector(body["force"]), ""),
                 (f"torque on {name}", _vector(body["torque"]), "about its position"),
-                (f"slip inside {name}", f"{np.linalg.norm(inside):.3g}", "at its centre; 0 is exact"),
+                (
+                    f"slip inside {name}",
+                    f"{np.linalg.norm(inside):.3g}",
+                    "at its centre; 0 is exact",
+                ),
                 (f"surface of {name}", f"{body['painted_offset']:+.5f}", "painted outward by"),
             ]
         rows.append(("force on the walls", _vector(summary["wall_force"]["total"]), ""))

@@ -97,6 +97,18 @@ def basis_for(grid: Grid, boundary: FieldBoundary, index: int) -> Basis:
     return _trigonometric(kind, transform_type, eigenvalues, n)
 
 
+def fourier_round_trip(shape: tuple[int, int, int], dtype: type) -> Callable[[], None]:
+    """A forward and an inverse real FFT of that shape, ready to be timed."""
+    values = np.zeros(shape, dtype)
+    modes = ducc0.fft.r2c(values)
+
+    def round_trip() -> None:
+        ducc0.fft.r2c(values, out=modes, nthreads=thread_count())
+        ducc0.fft.c2r(modes, lastsize=shape[2], out=values, inorm=2, nthreads=thread_count())
+
+    return round_trip
+
+
 def _fourier(eigenvalues: np.ndarray, n: int) -> Basis:
     def forward(view: np.ndarray, axis: int) -> None:
         ducc0.fft.r2r_fftpack(

@@ -3,7 +3,7 @@
 from importlib.resources import files
 from pathlib import Path
 
-from smoothprofile.config.refusals import nearest
+from smoothprofile.config.refusals import nearest, shown
 from smoothprofile.errors import CaseError
 
 FOLDER = Path(str(files("smoothprofile"))) / "cases"
@@ -22,14 +22,14 @@ def reference_names() -> list[str]:
 def case_path(name: str) -> Path:
     """File of a built-in case; CaseError with the nearest name if there is none."""
     if name not in case_names():
-        raise CaseError(f"no built-in case is called {name}; {_offer(name, case_names())}.")
+        raise CaseError(f"no built-in case is called {shown(name)}; {_offer(name, case_names())}.")
     return FOLDER / f"{name}.toml"
 
 
 def reference_path(name: str) -> Path:
     """File of a built-in reference; CaseError with the nearest name if there is none."""
     if name not in reference_names():
-        raise CaseError(f"no reference is called {name}; {_offer(name, reference_names())}.")
+        raise CaseError(f"no reference is called {shown(name)}; {_offer(name, reference_names())}.")
     return FOLDER / "references" / f"{name}.json"
 
 

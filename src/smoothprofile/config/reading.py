@@ -52,7 +52,8 @@ def _data_of(source: Any) -> dict[str, Any]:
     if isinstance(source, Mapping):
         return dict(source)
     if not isinstance(source, str | os.PathLike):
-        raise CaseError(f"a case is a name, a path or a dictionary, not a {type(source).__name__}.")
+        kind = type(source).__name__
+        raise CaseError(f"a case is a name, a path or a dictionary, not of type {kind}.")
     name = os.fspath(source)
     if not isinstance(name, str):
         raise CaseError(f"a path must be text, and {name!r} is not.")
@@ -158,8 +159,8 @@ def _put(data: dict[str, Any], key: str, value: Any) -> None:
         if isinstance(place, list):
             index = int(part) if part.isascii() and part.isdigit() and len(part) < 10 else -1
             if not 0 <= index < len(place):
-                allowed = f"{here} has {len(place)} entries, counted from 0"
-                raise CaseError(f"override {key} does not fit: {allowed}.")
+                count = f"{len(place)} {'entry' if len(place) == 1 else 'entries'}, counted from 0"
+                raise CaseError(f"override {key} does not fit: {here} has {count}.")
             part = index
         elif not isinstance(place, dict):
             raise CaseError(f"override {key} does not fit: {here} is {shown(place)}, not a table.")

@@ -1,7 +1,7 @@
 """One step of incompressible flow: predict, project.
 
-    (γuˢ − Σα_q uⁿ⁻q)/Δt + Σβ_q N(uⁿ⁻q) = ν∇²[θuˢ + (1−θ)uⁿ] − ∇pⁿ + g
-    ∇²δp = (γ/Δt)∇·uˢ,   uⁿ⁺¹ = uˢ − (Δt/γ)∇δp,   pⁿ⁺¹ = pⁿ + δp
+(γuˢ − Σα_q uⁿ⁻q)/Δt + Σβ_q N(uⁿ⁻q) = ν∇²[θuˢ + (1−θ)uⁿ] − ∇pⁿ + g
+∇²δp = (γ/Δt)∇·uˢ,   uⁿ⁺¹ = uˢ − (Δt/γ)∇δp,   pⁿ⁺¹ = pⁿ + δp
 """
 
 from dataclasses import dataclass, field
@@ -89,17 +89,13 @@ class Flow:
 
         pressure_weight = 0 leaves the old pressure out, as the thesis' (2.6) does.
         """
-        parameters, scheme = self.parameters, self.scheme(state)
+        scheme = self.scheme(state)
         step = Step(scheme, dt, state.time + dt, self._take_spare(), self._take_spare())
-        if parameters.advection:
+        if self.parameters.advection:
             self._advection(state.velocity, step.advection)
-        implicit = scheme.implicit * parameters.kinematic_viscosity / step.rate
-        for c in range(3):
-            self._explicit_terms(state, step, c, pressure_weight)
-            self._viscosity[c].solve(
-                step.velocity[c], implicit, parameters.walls.values(c, step.time)
-            )
-        self.mean_flow.prepare(implicit, 1.0 / step.rate)
+        self._solve(state, step, step.advection, pressure_weight)
+        if scheme.corrected and self.parameters.advection:
+            self._correct_advection(state, step, pressure_weight)
         self._measure_wall_shear(state, step)
         return step
 
@@ -132,17 +128,47 @@ class Flow:
         pressures = pressure_forces(self.grid, state.pressure, density)
         return {name: self._wall_shear.get(name, 0.0) + f for name, f in pressures.items()}
 
+    def _solve(
+        self, state: FlowState, step: Step, advection: Velocity, pressure_weight: float
+    ) -> None:
+        """The step's velocity from its explicit terms, with `advection` for N(uⁿ)."""
+        parameters = self.parameters
+        implicit = step.scheme.implicit * parameters.kinematic_viscosity / step.rate
+        for c in range(3):
+            self._explicit_terms(state, step, advection[c], c, pressure_weight)
+            self._viscosity[c].solve(
+                step.velocity[c], implicit, parameters.walls.values(c, step.time)
+            )
+        self.mean_flow.prepare(implicit, 1.0 / step.rate)
+
+    def _correct_advection(self, state: FlowState, step: Step, pressure_weight: float) -> None:
+        """Solve again with the mean of N(uⁿ) and N of the trial step, made divergence-free."""
+        self.mean_flow.hold(step.velocity)
+        self.fill(step.velocity, step.time)
+        self.projection.solve(step.velocity, step.rate)
+        self.projection.correct(step.velocity, step.rate)
+        self.fill(step.velocity, step.time)
+        mean = self._take_spare()
+        self._advection(step.velocity, mean)
+        for total, old in zip(mean, step.advection, strict=True):
+            total += old
+            total *= 0.5
+        self._solve(state, step, mean, pressure_weight)
+        self._spare.append(mean)
+
     def _take_spare(self) -> Velocity:
         return self._spare.pop() if self._spare else zero_velocity(self.grid)
 
-    def _explicit_terms(self, state: FlowState, step: Step, c: int, pressure_weight: float) -> None:
+    def _explicit_terms(
+        self, state: FlowState, step: Step, newest: np.ndarray, c: int, pressure_weight: float
+    ) -> None:
         scheme, rate, parameters = step.scheme, step.rate, self.parameters
         out = step.velocity[c]
         advection = [(b / rate) * parameters.advection for b in scheme.advection]
         _explicit(
             out,
             state.velocity[c],
-            step.advection[c],
+            newest,
             state.pressure,
             self._inverse_distances[c],
             c,

@@ -1,6 +1,6 @@
 """Projection onto divergence-free velocities.
 
-    ∇²δp = (γ/Δt) ∇·u,   u ← u − (Δt/γ) ∇δp
+∇²δp = (γ/Δt) ∇·u,   u ← u − (Δt/γ) ∇δp
 """
 
 import numpy as np

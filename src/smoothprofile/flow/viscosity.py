@@ -1,6 +1,6 @@
 """Viscous term: its implicit solve, its explicit part, and the stress it leaves on the walls.
 
-    (1 − c∇²) u = r,   c = θνΔt/γ,   u given on no-slip walls
+(1 − c∇²) u = r,   c = θνΔt/γ,   u given on no-slip walls
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Walls of the box: no-slip and moving, or free-slip, and the force that the fluid puts on them.
 
-    no-slip: u = U(t);   free slip: u·n = 0, ∂u_t/∂n = 0
-    F_t = μ ∫ ∂u_t/∂n dA,   F_n = −∫ p n dA            n out of the fluid
+no-slip: u = U(t);   free slip: u·n = 0, ∂u_t/∂n = 0
+F_t = μ ∫ ∂u_t/∂n dA,   F_n = −∫ p n dA            n out of the fluid
 """
 
 from collections.abc import Callable

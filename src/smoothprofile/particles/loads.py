@@ -4,7 +4,7 @@
     F = (ργ/Δt) ∫ (φ δu_p − f) dV,   T = (ργ/Δt) ∫ r×(φ δu_p − f) dV
 
 What the fluid gains the body loses. φ δu_p is the inertia of the fluid that the body displaces,
-δu_p = (γu_pⁿ⁺¹ − Σα_q u_pⁿ⁻q)/γ being the scheme's own difference; r is taken from the body's place.
+δu_p = (γu_pⁿ⁺¹ − Σα_q u_pⁿ⁻q)/γ being the scheme's own difference; r is counted from its position.
 """
 
 import numpy as np

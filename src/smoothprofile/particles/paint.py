@@ -49,7 +49,7 @@ class Painter:
         )
         if self.indicator.size < self.windows.points:
             self.indicator = np.empty(self.windows.points, self.grid.dtype)
-        w, f = self.windows, self.forms
+        f = self.forms
         _paint(
             self.indicator,
             *self.table(),
@@ -73,10 +73,9 @@ class Painter:
         tilted = np.where(np.abs(rotation) > 1e-14, np.abs(rotation), 0.0)
         with np.errstate(invalid="ignore"):
             reach = np.where(tilted > 0.0, tilted * extents, 0.0).sum(axis=2)
-        start = self.forms.part_start
-        grown = np.array(
-            [max(0.0, float(self.growth()[a:b].max())) for a, b in zip(start, start[1:], strict=False)]
-        )
+        grown = np.zeros(rotation.shape[0])
+        if grown.size:
+            grown = np.maximum(0.0, np.maximum.reduceat(self.growth(), self.forms.part_start[:-1]))
         return reach + (grown + self.profile.half_width * self.thickness)[:, None]
 
     def growth(self) -> np.ndarray:

@@ -1,0 +1,328 @@
+"""Figures of a run, drawn from its run directory alone.
+
+Units are the case's own: whatever length, time and mass its numbers were given in.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from io import BytesIO
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+from scipy.interpolate import RegularGridInterpolator
+
+from smoothprofile.output import RunRecord
+
+SYMBOLS = {"x": "x₁", "y": "x₂", "z": "x₃"}
+NUMBERS = {"x": "₁", "y": "₂", "z": "₃"}
+DASHES = {"x": "-", "y": "--", "z": ":"}
+LEVEL = {"color": "black", "linestyle": (0, (6, 3)), "linewidth": 1.0}
+
+# Okabe and Ito: told apart with every kind of colour blindness.
+PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+
+STYLE = {
+    "figure.dpi": 150,
+    "savefig.dpi": 150,
+    "savefig.bbox": "tight",
+    "savefig.pad_inches": 0.08,
+    "figure.constrained_layout.w_pad": 0.08,
+    "figure.constrained_layout.h_pad": 0.06,
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.prop_cycle": matplotlib.cycler(color=PALETTE),
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.5,
+    "lines.markersize": 5,
+    "legend.frameon": False,
+    "image.cmap": "viridis",
+}
+
+WIDTH = 5.4
+PLANE_WIDTH = 9.0
+MOST_NAMED_PARTICLES = len(PALETTE)
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A figure, the name of its file, and the sentence that stands below it."""
+
+    name: str
+    caption: str
+    figure: Figure
+
+    @cached_property
+    def png(self) -> bytes:
+        """The figure as a PNG image of 150 dots to the inch."""
+        buffer = BytesIO()
+        with matplotlib.rc_context(STYLE):
+            self.figure.savefig(buffer, format="png")
+        return buffer.getvalue()
+
+
+def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> list[Picture]:
+    """Every figure the run directory has the data for, in the order of the report."""
+    reference = reference or {}
+    output = record.case.get("output", {})
+    tolerance = record.case.get("time", {}).get("steady_tolerance")
+    with matplotlib.rc_context(STYLE):
+        drawn = [
+            plane_picture(record.plane),
+            force_picture(record.particles, reference),
+            *profile_pictures(record.lines, output.get("lines", ()), reference),
+            wall_shear_picture(record.wall_shear, output.get("wall_line", {}), reference),
+            convergence_picture(record.history, tolerance),
+        ]
+    return [picture for picture in drawn if picture is not None]
+
+
+def plane_picture(plane: Mapping[str, np.ndarray]) -> Picture | None:
+    """|u| in a plane as filled contours, streamlines over it, particles outlined at φ = ½."""
+    if not plane or min(plane["speed"].shape) < 2 or not np.isfinite(plane["speed"]).all():
+        return None
+    x, y, speed = plane["x"], plane["y"], plane["speed"].T
+    first, second = (str(label) for label in plane["labels"])
+    ratio = np.ptp(y) / np.ptp(x)
+    width = PLANE_WIDTH if ratio < 0.7 else max(4.5, 6.5 / max(ratio, 1.0))
+    figure, axes = _new_figure(float(np.clip(0.8 * width * ratio, 1.5, 8.0)) + 1.1, width)
+    top = float(speed.max()) or 1.0
+    filled = axes.contourf(x, y, speed, levels=np.linspace(0.0, top, 25))
+    filled.set_edgecolor("face")
+    beside = axes.inset_axes([1.02, 0.0, 0.02, 1.0])
+    bar = figure.colorbar(filled, cax=beside, label="speed |u| (length/time)")
+    bar.locator = MaxNLocator(6, steps=[1, 2, 2.5, 5, 10])
+    _draw_streamlines(axes, plane)
+    indicator = plane["indicator"].T
+    if indicator.min() < 0.5 < indicator.max():
+        axes.contour(x, y, indicator, levels=[0.5], colors="white", linewidths=2.6)
+        axes.contour(x, y, indicator, levels=[0.5], colors="black", linewidths=1.2)
+        edge = Line2D([], [], color="black", label="edge of a particle as painted, φ = ½")
+        figure.legend(handles=[edge], loc="outside lower center")
+    axes.set_aspect("equal" if 0.1 < ratio < 10 else "auto")
+    axes.grid(visible=False)
+    where = _position(str(plane["axis"]), float(plane["at"]))
+    axes.set(
+        title=f"Speed in the plane {where}",
+        xlabel=f"{SYMBOLS[first]} (length)",
+        ylabel=f"{SYMBOLS[second]} (length)",
+    )
+    caption = f"Speed of the fluid in the plane {where} at the end, with streamlines in white."
+    return Picture("plane", caption, figure)
+
+
+def force_picture(
+    particles: Mapping[str, Mapping[str, np.ndarray]], reference: Mapping[str, Any]
+) -> Picture | None:
+    """F(t) on each particle; of the components only those above a hundredth of the largest."""
+    if not any(len(columns["time"]) > 1 for columns in particles.values()):
+        return None
+    figure, axes = _new_figure(height=3.3)
+    shown = _components_shown(particles)
+    many = len(particles) > MOST_NAMED_PARTICLES
+    for number, (name, columns) in enumerate(particles.items()):
+        for component in shown:
+            axes.plot(
+                columns["time"],
+                columns[f"force_{component}"],
+                DASHES[component],
+                color="#9aa5b1" if many else PALETTE[number],
+                linewidth=0.6 if many else 1.5,
+                label=None if many and number else _force_label(name, component, many, particles),
+            )
+    levels = [reference["force"]] if "force" in reference and len(particles) == 1 else []
+    _look_past_the_start(axes, levels)
+    for level in levels:
+        axes.axhline(level, label=_reference_label(reference), **LEVEL)
+    axes.set(
+        title="Force on each particle",
+        xlabel="t (time)",
+        ylabel="force (mass·length/time²)",
+    )
+    figure.legend(loc="outside lower center", ncols=4)
+    return Picture("force", "Force of the fluid on each particle against time.", figure)
+
+
+def profile_pictures(
+    lines: Mapping[str, tuple[np.ndarray, np.ndarray]],
+    settings: Sequence[Mapping[str, Any]],
+    reference: Mapping[str, Any],
+) -> list[Picture]:
+    """Velocity along each line; lines of one direction and component share a figure."""
+    groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    for line in settings:
+        if line["name"] in lines:
+            groups.setdefault((line["axis"], line["component"]), []).append(line)
+    drawn = []
+    for (axis, component), members in groups.items():
+        figure, axes = _new_figure(height=3.5)
+        for number, line in enumerate(members):
+            colour = PALETTE[number % len(PALETTE)]
+            dashes = list(DASHES.values())[number % len(DASHES)]
+            axes.plot(*lines[line["name"]], dashes, color=colour, label=_line_label(line))
+            _draw_reference(axes, reference, reference.get("lines", {}).get(line["name"]), colour)
+        velocity, direction = f"u{NUMBERS[component]}", SYMBOLS[axis]
+        axes.set(
+            title=f"Velocity {velocity} along {direction}",
+            xlabel=f"{direction} (length)",
+            ylabel=f"{velocity} (length/time)",
+        )
+        figure.legend(loc="outside lower center", ncols=2)
+        caption = f"Velocity {velocity} along {direction} at the end."
+        drawn.append(Picture(f"velocity-{component}-along-{axis}", caption, figure))
+    return drawn
+
+
+def wall_shear_picture(
+    shear: tuple[np.ndarray, np.ndarray] | None,
+    setting: Mapping[str, Any],
+    reference: Mapping[str, Any],
+) -> Picture | None:
+    """∂u/∂n on a wall, n the coordinate along the wall's axis, along a line on it."""
+    if shear is None:
+        return None
+    figure, axes = _new_figure(height=3.3)
+    axes.plot(*shear, color=PALETTE[0], label="this run")
+    _draw_reference(axes, reference, reference.get("wall_line"), PALETTE[0])
+    normal = str(setting["wall"])[0]
+    gradient = f"∂u{NUMBERS[setting['component']]}/∂{SYMBOLS[normal]}"
+    along = SYMBOLS[setting["along"]]
+    axes.set(
+        title=f"Shear {gradient} on the wall {setting['wall']}",
+        xlabel=f"{along} (length)",
+        ylabel=f"{gradient} (1/time)",
+    )
+    figure.legend(loc="outside lower center", ncols=2)
+    caption = f"Shear {gradient} on the wall {setting['wall']} along {along} at the end."
+    return Picture("wall-shear", caption, figure)
+
+
+def convergence_picture(
+    history: Mapping[str, np.ndarray], tolerance: float | None
+) -> Picture | None:
+    """max|∂u/∂t| / max|u| against time, on a logarithmic scale."""
+    rate = history.get("change_rate", np.empty(0))
+    positive = np.isfinite(rate) & (rate > 0)
+    if positive.sum() < 2:
+        return None
+    figure, axes = _new_figure(height=3.3)
+    axes.semilogy(history["time"][positive], rate[positive], label="rate of change")
+    if tolerance:
+        axes.axhline(tolerance, label="tolerance (stop below)", **LEVEL)
+    axes.set(
+        title="Convergence to a steady state",
+        xlabel="t (time)",
+        ylabel="max|∂u/∂t| / max|u| (1/time)",
+    )
+    figure.legend(loc="outside lower center", ncols=2)
+    return Picture("convergence", "How fast the velocity still changes.", figure)
+
+
+def _new_figure(height: float, width: float = WIDTH) -> tuple[Figure, Axes]:
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.add_subplot()
+
+
+def _draw_streamlines(axes: Axes, plane: Mapping[str, np.ndarray]) -> None:
+    """Streamlines outside the particles, where what moves is the fluid.
+
+    They need equal spacing: stretched axes are interpolated to as many points.
+    """
+    points = tuple(np.linspace(c[0], c[-1], c.size) for c in (plane["x"], plane["y"]))
+    where = np.stack(np.meshgrid(*points, indexing="ij"), axis=-1)
+    solid, u, v = (
+        RegularGridInterpolator((plane["x"], plane["y"]), values)(where).T
+        for values in (plane["indicator"], *plane["velocity"])
+    )
+    if np.hypot(u, v).max() > 0:
+        u = np.ma.masked_where(solid > 0.5, u)
+        axes.streamplot(*points, u, v, color="#ffffff88", linewidth=0.6, arrowsize=0.6, density=0.8)
+    axes.set(xlim=points[0][[0, -1]], ylim=points[1][[0, -1]])
+
+
+def _components_shown(particles: Mapping[str, Mapping[str, np.ndarray]]) -> list[str]:
+    """The components of force that a reader would see, judged at the end of the run."""
+    largest = {
+        axis: max(
+            abs(np.nan_to_num(columns[f"force_{axis}"][-1])) for columns in particles.values()
+        )
+        for axis in NUMBERS
+    }
+    return [axis for axis in NUMBERS if largest[axis] >= 0.01 * max(largest.values())]
+
+
+def _force_label(name: str, component: str, many: bool, particles: Mapping[str, Any]) -> str:
+    owner = f"each of {len(particles)} particles" if many else name
+    return f"F{NUMBERS[component]}, {_literal(owner)}"
+
+
+def _line_label(line: Mapping[str, Any]) -> str:
+    others = [axis for axis in SYMBOLS if axis != line["axis"]]
+    where = ", ".join(map(_position, others, line["through"]))
+    return f"{_literal(line['name'])} ({where})"
+
+
+def _literal(name: str) -> str:
+    """A user's name as it stands: matplotlib would read what is between dollar signs as maths."""
+    return name.replace("$", r"\$")
+
+
+def _position(axis: str, value: float) -> str:
+    """x₁ = −2, with a real minus sign."""
+    return f"{SYMBOLS[axis]} = {value:g}".replace("-", "−")
+
+
+def _reference_label(reference: Mapping[str, Any]) -> str:
+    return _literal(reference.get("label", "reference"))
+
+
+def _draw_reference(
+    axes: Axes, reference: Mapping[str, Any], curve: Mapping[str, list[float]] | None, colour: str
+) -> None:
+    """The points of a reference's curve as open circles, named once in the legend."""
+    if not curve:
+        return
+    style = {"marker": "o", "linestyle": "none", "markerfacecolor": "none"}
+    axes.plot(curve["coordinate"], curve["value"], color=colour, **style)
+    label = _reference_label(reference)
+    if label not in axes.get_legend_handles_labels()[1]:
+        axes.plot([], [], color="black", label=label, **style)
+
+
+def _look_past_the_start(axes: Axes, keep: list[float]) -> None:
+    """Scale the axis to the last 90 % of the time when the start would dwarf the rest, and say so.
+
+    An impulsive start makes the first forces as large as the time step is small.
+    """
+    everything = np.concatenate([line.get_xydata() for line in axes.lines])
+    everything = everything[np.isfinite(everything).all(axis=1)]
+    if not everything.size:
+        return
+    start, end = everything[:, 0].min(), everything[:, 0].max()
+    late = everything[everything[:, 0] >= start + 0.1 * (end - start), 1]
+    values = np.concatenate([late, keep])
+    low, high = values.min(), values.max()
+    margin = 0.1 * max(high - low, 0.1 * abs(high), 0.1 * abs(low))
+    if np.ptp(everything[:, 1]) <= 3 * (high - low + 2 * margin):
+        return
+    axes.set_ylim(low - margin, high + margin)
+    extreme = everything[np.abs(everything[:, 1]).argmax()]
+    note = f"start-up beyond the frame: {extreme[1]:.4g} at t = {extreme[0]:.3g}"
+    corner = {"transform": axes.transAxes, "ha": "right", "va": "top"}
+    behind = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+    axes.text(0.99, 0.97, note, fontsize=8, color="#555555", bbox=behind, zorder=4, **corner)

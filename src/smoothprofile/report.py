@@ -1,0 +1,344 @@
+"""The report of a run: one HTML file that needs nothing else, rebuilt from the run directory."""
+
+import base64
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from smoothprofile import cases
+from smoothprofile.output import RunRecord, read_run
+from smoothprofile.plots import Picture, pictures
+
+MOST_BODIES = 20
+
+VERDICTS = {
+    "finished": "good",
+    "steady": "good",
+    "ok": "good",
+    "blew_up": "bad",
+    "failed": "bad",
+    "refuse": "bad",
+}
+
+PAGE = Template("""\
+<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>$title</title>
+<style>
+:root { color-scheme: light dark; --ink: #1c2430; --faint: #5b6675; --paper: #fff; --panel: #f4f6f8;
+  --rule: #d9dee4; --good: #00664a; --warn: #8a5a00; --bad: #b03a00; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e6eaef; --faint: #9fabb8; --paper: #14181d;
+  --panel: #1d232a; --rule: #343d47; --good: #4fd1a5; --warn: #f0b429; --bad: #ff8a5c; } }
+@media print { :root { --ink: #000; --faint: #444; --paper: #fff; --panel: #fff; --rule: #bbb;
+  --good: #00664a; --warn: #8a5a00; --bad: #b03a00; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; padding: 2rem 1.25rem 4rem; max-width: 68rem; color: var(--ink);
+  background: var(--paper); font: 1rem/1.5 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
+h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 .4rem; }
+h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; break-after: avoid; }
+p { margin: .4rem 0; }
+.faint, figcaption, .note { color: var(--faint); font-size: .9rem; }
+.badge { font-weight: 600; border: 1px solid currentColor; border-radius: 1rem;
+  padding: .05rem .6rem; margin-right: .5rem; white-space: nowrap; }
+.good { color: var(--good); } .warn { color: var(--warn); } .bad { color: var(--bad); }
+.scroll { overflow-x: auto; margin: 0 0 1rem; }
+table { border-collapse: collapse; font-size: .95rem; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; padding: .3rem 1.1rem .3rem 0; border-bottom: 1px solid var(--rule);
+  vertical-align: top; }
+th { color: var(--faint); font-weight: 600; font-size: .85rem; vertical-align: bottom; }
+.number { text-align: right; white-space: nowrap; }
+.figures { display: grid; gap: 1rem; grid-template-columns: repeat(2, minmax(0, 1fr)); }
+figure { margin: 0; background: var(--panel); border: 1px solid var(--rule); border-radius: .5rem;
+  padding: .6rem; break-inside: avoid; }
+figure img { display: block; width: 100%; height: auto; background: #fff; border-radius: .25rem; }
+figure:first-child { grid-column: 1 / -1; }
+figure:first-child img { max-height: 34rem; object-fit: contain; }
+figcaption { padding: .5rem .2rem 0; }
+details { margin: .8rem 0; border: 1px solid var(--rule); border-radius: .5rem;
+  padding: .5rem .9rem; background: var(--panel); break-inside: avoid; }
+summary { cursor: pointer; font-weight: 600; }
+pre { overflow-x: auto; font: .85rem/1.45 ui-monospace, "DejaVu Sans Mono", monospace; }
+@media (max-width: 46rem) { .figures { grid-template-columns: minmax(0, 1fr); } }
+@media print { body { padding: 0; max-width: none; font-size: .85rem; }
+  tr { break-inside: avoid; } }
+</style>
+</head>
+<body>
+<header>
+<h1>$title</h1>
+<p>$status</p>
+</header>
+<main>
+$sections
+</main>
+</body>
+</html>
+""")
+
+
+def write_report(directory: Path | str) -> Path:
+    """Draw the figures of a run directory and write its report.html; returns that path.
+
+    Both are made anew from the other files each time. CaseError if the directory is not one.
+    """
+    record = read_run(directory)
+    name = record.case.get("reference")
+    reference = cases.reference(name) if name else {}
+    drawn = pictures(record, reference)
+    (record.path / "figures").mkdir(exist_ok=True)
+    for picture in drawn:
+        (record.path / "figures" / f"{picture.name}.png").write_bytes(picture.png)
+    report = record.path / "report.html"
+    report.write_text(page(record, drawn, reference), encoding="utf-8")
+    return report
+
+
+def page(record: RunRecord, drawn: Sequence[Picture], reference: Mapping[str, Any]) -> str:
+    """The report as HTML text."""
+    sections = [
+        _section("Result", _result(record)),
+        _section("Beside the reference", _beside(record, reference)),
+        _section("Figures", _figures(drawn)),
+        _section("Resolution", _resolution(record)),
+        _section("Preliminary runs", _preliminary(record)),
+        _section("Particles", _bodies(record)),
+        _section("Force on the walls", _walls(record)),
+        _details("Case as it was run", f"<pre>{escape(record.case_toml)}</pre>"),
+        _details("Versions and machine", _versions(record)),
+    ]
+    return PAGE.substitute(
+        title=escape(record.case.get("title", record.path.name)),
+        status=_status(record),
+        sections="\n".join(filter(None, sections)),
+    )
+
+
+def comparison(
+    record: RunRecord, reference: Mapping[str, Any]
+) -> list[tuple[str, float, float, list[float | None]]]:
+    """(quantity, this run, reference, other computations) for what run and reference share.
+
+    Of vectors, the component that is largest; of bodies, the first. The centre velocity is
+    |u − V| at its centre, which is zero for a rigid body.
+    """
+    measured = {}
+    if bodies := record.summary.get("bodies"):
+        slip = np.subtract(bodies[0]["interior_velocity"], bodies[0]["velocity"])
+        measured["force"] = max(bodies[0]["force"], key=abs)
+        measured["torque"] = max(bodies[0]["torque"], key=abs)
+        measured["centre_velocity"] = float(np.linalg.norm(slip))
+    if mean := record.summary.get("mean_velocity"):
+        measured["mean_velocity"] = max(mean, key=abs)
+    others = other_computations(record, reference)
+    return [
+        (_words(key), value, reference[key], [values.get(key) for values in others.values()])
+        for key, value in measured.items()
+        if key in reference
+    ]
+
+
+def other_computations(
+    record: RunRecord, reference: Mapping[str, Any]
+) -> dict[str, Mapping[str, Any]]:
+    """Label to numbers of the other computations that a reference quotes, such as the thesis'.
+
+    Of several runs the one with this run's cells, thickness and time step, else the last.
+    """
+    case = record.case
+    ours = [*case["domain"]["cells"], case.get("profile", {}).get("thickness")]
+    ours.append(record.summary.get("time_step"))
+    found = {}
+    for group in reference.values():
+        if not isinstance(group, Mapping) or not isinstance(group.get("label"), str):
+            continue
+        runs = group.get("runs", [])
+        same = [run for run in runs if [*run["cells"], run["thickness"], run["step"]] == ours]
+        found[group["label"]] = same[0] if same else {**group, **(runs[-1] if runs else {})}
+    return found
+
+
+def curve_difference(
+    curve: tuple[np.ndarray, np.ndarray] | None, reference: Mapping[str, Sequence[float]]
+) -> tuple[int, float, float]:
+    """(points, max|y − yᵣ|, max|y − yᵣ|/max|yᵣ|) at the reference's points inside the curve.
+
+    Points before the first sample or past the last are not compared; there may be none left.
+    """
+    if curve is None:
+        return 0, 0.0, 0.0
+    at, value = (np.asarray(reference[key], dtype=float) for key in ("coordinate", "value"))
+    inside = (at >= curve[0][0]) & (at <= curve[0][-1])
+    if not inside.any():
+        return 0, 0.0, 0.0
+    largest = float(np.abs(PchipInterpolator(*curve)(at[inside]) - value[inside]).max())
+    return int(inside.sum()), largest, largest / float(np.abs(value).max())
+
+
+def _status(record: RunRecord) -> str:
+    status = record.run.get("status", "unknown")
+    badge = f'<span class="badge {VERDICTS.get(status, "warn")}">{escape(_words(status))}</span>'
+    summary, parts = record.summary, [record.run.get("message")]
+    if "steps" in summary:
+        parts.append(f"{_number(summary['steps'])} steps to t = {_number(summary['time'])}")
+    if "wall_seconds" in summary:
+        parts.append(f"{_number(summary['wall_seconds'])} s on {summary.get('threads')} threads")
+    if "cells" in summary:
+        parts.append(f"{_number(summary['cells'])} cells")
+    parts.append(record.run.get("started", "").replace("T", " ").replace("+00:00", " UTC"))
+    return badge + f'<span class="faint">{escape(" · ".join(filter(None, parts)))}</span>'
+
+
+def _result(record: RunRecord) -> str:
+    table = record.summary.get("table", ())
+    rows = [(name, _number(value), note or "") for name, value, note in table]
+    return _table(("quantity", "value", ""), rows, numbers={1})
+
+
+def _beside(record: RunRecord, reference: Mapping[str, Any]) -> str:
+    if not reference:
+        return ""
+    others = other_computations(record, reference)
+    rows = [
+        (name, _number(ours), _number(exact), _percent(ours, exact),
+         *(_with_percent(value, exact) for value in values))
+        for name, ours, exact, values in comparison(record, reference)
+    ]  # fmt: skip
+    heads = ("quantity", "this run", reference.get("label", "reference"), "difference", *others)
+    known = reference.get("lines", {})
+    curves = [(f"velocity, {n}", curve, known.get(n)) for n, curve in record.lines.items()]
+    curves.append(("wall shear", record.wall_shear, reference.get("wall_line")))
+    found = [(name, curve_difference(curve, exact)) for name, curve, exact in curves if exact]
+    lines = [
+        (name, _number(points), _number(largest), f"{100 * share:.2f} %")
+        for name, (points, largest, share) in found
+        if points
+    ]
+    line_heads = ("curve", "points", "largest difference", "of its largest value")
+    notes = [f"{reference.get('label', 'reference')}: {reference.get('source', '')}"]
+    notes += [
+        f"{label}: {'×'.join(map(str, run['cells']))} cells, thickness {run['thickness']:g}, "
+        f"time step {run['step']:g}"
+        for label, run in others.items()
+        if "cells" in run
+    ]
+    note = "".join(f'<p class="note">{escape(text)}</p>' for text in notes)
+    numbers = set(range(1, len(heads)))
+    return _table(heads, rows, numbers) + _table(line_heads, lines, {1, 2, 3}) + note
+
+
+def _figures(drawn: Sequence[Picture]) -> str:
+    if not drawn:
+        return ""
+    items = [
+        f'<figure><img alt="{escape(picture.caption)}" src="data:image/png;base64,'
+        f'{base64.b64encode(picture.png).decode("ascii")}">'
+        f"<figcaption>{escape(picture.caption)}</figcaption></figure>"
+        for picture in drawn
+    ]
+    return f'<div class="figures">{"".join(items)}</div>'
+
+
+def _resolution(record: RunRecord) -> str:
+    checks = [
+        (check["name"], _number(check["value"]), _number(check["limit"]), check["verdict"],
+         check.get("note") or "")
+        for check in record.run.get("preflight", ())
+    ]  # fmt: skip
+    return _table(("check", "value", "limit or best", "verdict", ""), checks, numbers={1, 2})
+
+
+def _preliminary(record: RunRecord) -> str:
+    heads = ("cells", "steps", "time", "status", "wall_seconds")
+    rows = [
+        [_number(stage.get(head)) for head in heads] for stage in record.summary.get("start", ())
+    ]
+    return _table([_words(head) for head in heads], rows, numbers={1, 2, 4})
+
+
+def _bodies(record: RunRecord) -> str:
+    bodies = record.summary.get("bodies", ())
+    quantities = ("position", "velocity", "force", "torque", "interior_velocity")
+    rows = [
+        (body["name"], *(_number(body.get(quantity)) for quantity in quantities)) for body in bodies
+    ]
+    table = _table(("name", *map(_words, quantities)), rows[:MOST_BODIES], {1, 2, 3, 4, 5})
+    left = len(rows) - MOST_BODIES
+    return table + (f'<p class="note">{left} more in particles.csv.</p>' if left > 0 else "")
+
+
+def _walls(record: RunRecord) -> str:
+    forces = record.summary.get("wall_force") or {}
+    rows = [(_words(side), _number(force)) for side, force in forces.items()]
+    return _table(("wall", "force"), rows, numbers={1})
+
+
+def _versions(record: RunRecord) -> str:
+    run = record.run
+    facts = {**run.get("versions", {}), **run.get("machine", {}), "command": run.get("command")}
+    return _table(("", ""), [(name, str(value)) for name, value in facts.items()], numbers=set())
+
+
+def _section(title: str, content: str) -> str:
+    return f"<section><h2>{escape(title)}</h2>{content}</section>" if content else ""
+
+
+def _details(title: str, content: str) -> str:
+    return f"<details><summary>{escape(title)}</summary>{content}</details>"
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], numbers: set[int]) -> str:
+    """An HTML table; columns listed in `numbers` stand to the right, verdicts in their colour."""
+    rows = list(rows)
+    if not rows:
+        return ""
+
+    def cell(tag: str, column: int, text: str) -> str:
+        kinds = ["number"] if column in numbers else []
+        if tag == "td" and heads[column] == "verdict":
+            kinds.append(VERDICTS.get(text, "warn"))
+        return f'<{tag} class="{" ".join(kinds)}">{escape(text)}</{tag}>'
+
+    def line(tag: str, texts: Sequence[str]) -> str:
+        return f"<tr>{''.join(cell(tag, n, text) for n, text in enumerate(texts))}</tr>"
+
+    head = f"<thead>{line('th', heads)}</thead>" if any(heads) else ""
+    body = "".join(line("td", row) for row in rows)
+    return f'<div class="scroll"><table>{head}<tbody>{body}</tbody></table></div>'
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _number(value: Any) -> str:
+    """Five digits, a real minus sign, nothing as a dash; a vector in brackets without round-off."""
+    if value is None:
+        return "–"
+    if isinstance(value, list | tuple):
+        least = max(5e-13, 1e-9 * max(abs(part or 0) for part in value))
+        parts = [0 if part is not None and abs(part) < least else part for part in value]
+        return f"({', '.join(map(_number, parts))})"
+    if isinstance(value, bool | str):
+        return str(value)
+    text = f"{value:,}" if isinstance(value, int) else f"{value:.5g}"
+    return text.replace("-", "−").replace(",", "\u202f")
+
+
+def _percent(value: float | None, exact: float) -> str:
+    """How far value lies from exact, in per cent of exact; a dash where that has no meaning."""
+    if value is None or not exact:
+        return "–"
+    return f"{100 * (value / exact - 1):+.2f} %".replace("-", "−")
+
+
+def _with_percent(value: float | None, exact: float) -> str:
+    share = _percent(value, exact)
+    return _number(value) + ("" if share == "–" else f" ({share})")
