@@ -7,14 +7,17 @@ flux                f₀ = f₁                 zero flux: pressure at a wall, f
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from numba import njit, prange
 
 from smoothprofile.grid import Grid
 
 Condition = Literal["periodic", "value", "flux"]
 SIDES = ("low", "high")
+PERIODIC, VALUE, FLUX, FACE = range(4)
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,15 @@ class FieldBoundary:
 
     conditions: tuple[tuple[Condition, Condition], ...]
     staggered: int = -1
+
+    @cached_property
+    def codes(self) -> np.ndarray:
+        """(3,2) of PERIODIC, VALUE, FLUX, or FACE for the walls of a normal velocity."""
+        numbers = {"periodic": PERIODIC, "value": VALUE, "flux": FLUX}
+        codes = np.array([[numbers[c] for c in pair] for pair in self.conditions])
+        if self.staggered >= 0 and not self.periodic(self.staggered):
+            codes[self.staggered] = FACE
+        return codes
 
     def periodic(self, axis: int) -> bool:
         return self.conditions[axis][0] == "periodic"
@@ -65,18 +77,52 @@ def fill_ghosts(field: np.ndarray, boundary: FieldBoundary, values=None) -> None
 
     values[axis][side] is the number that a "value" side holds; zero everywhere when left out.
     """
-    for axis in (2, 1, 0):
-        f = np.moveaxis(field, axis, 0)
-        n = f.shape[0] - 2
-        low, high = boundary.conditions[axis]
-        if low == "periodic":
-            f[0], f[n + 1] = f[n], f[1]
-            continue
-        at_low, at_high = (0.0, 0.0) if values is None else values[axis]
-        if axis == boundary.staggered:
-            f[1] = at_low
-            f[n + 1] = at_high
-            f[0] = at_low
-            continue
-        f[0] = f[1] if low == "flux" else 2.0 * at_low - f[1]
-        f[n + 1] = f[n] if high == "flux" else 2.0 * at_high - f[n]
+    values = np.zeros((3, 2)) if values is None else np.asarray(values, dtype=np.float64)
+    _fill_planes(field, boundary.codes, values)
+    _fill_ends(field, boundary.codes[0], values[0])
+
+
+@njit(inline="always")
+def _ghost(code, inner, value):
+    return inner if code == FLUX else 2.0 * value - inner
+
+
+@njit(cache=True)
+def _fill_ends(f, codes, values):
+    """Ghost planes of the first axis."""
+    n = f.shape[0] - 2
+    if codes[0] == PERIODIC:
+        f[0], f[n + 1] = f[n], f[1]
+    elif codes[0] == FACE:
+        f[0], f[1], f[n + 1] = values[0], values[0], values[1]
+    else:
+        for j in range(f.shape[1]):
+            for k in range(f.shape[2]):
+                f[0, j, k] = _ghost(codes[0], f[1, j, k], values[0])
+                f[n + 1, j, k] = _ghost(codes[1], f[n, j, k], values[1])
+
+
+@njit(parallel=True, cache=True)
+def _fill_planes(f, codes, values):
+    """Ghost rows and columns of every plane; then those of the edges are right too."""
+    ny, nz = f.shape[1] - 2, f.shape[2] - 2
+    for i in prange(1, f.shape[0] - 1):
+        g = f[i]
+        for j in range(1, ny + 1):
+            if codes[2, 0] == PERIODIC:
+                g[j, 0], g[j, nz + 1] = g[j, nz], g[j, 1]
+            elif codes[2, 0] == FACE:
+                g[j, 0] = g[j, 1] = values[2, 0]
+                g[j, nz + 1] = values[2, 1]
+            else:
+                g[j, 0] = _ghost(codes[2, 0], g[j, 1], values[2, 0])
+                g[j, nz + 1] = _ghost(codes[2, 1], g[j, nz], values[2, 1])
+        for k in range(nz + 2):
+            if codes[1, 0] == PERIODIC:
+                g[0, k], g[ny + 1, k] = g[ny, k], g[1, k]
+            elif codes[1, 0] == FACE:
+                g[0, k] = g[1, k] = values[1, 0]
+                g[ny + 1, k] = values[1, 1]
+            else:
+                g[0, k] = _ghost(codes[1, 0], g[1, k], values[1, 0])
+                g[ny + 1, k] = _ghost(codes[1, 1], g[ny, k], values[1, 1])

@@ -19,7 +19,7 @@ from smoothprofile.boundaries import fill_ghosts, pressure_boundary
 from smoothprofile.config import Case, build_shape, load_case
 from smoothprofile.coupling import coupling_named
 from smoothprofile.errors import CaseError
-from smoothprofile.flow.monitor import Extremes, extremes, watch
+from smoothprofile.flow.monitor import Extremes, watch
 from smoothprofile.grid import AXIS_NAMES, interior
 from smoothprofile.pairing import expected_speed, pair
 from smoothprofile.particles.motion import Course
@@ -48,7 +48,6 @@ class Simulation:
         self._couple = coupling_named(case.time.coupling)
         self.status = "running"
         self.wall_seconds = 0.0
-        self.extremes = Extremes()
         self.history: dict[str, list] = {}
         self.preliminary: list[dict[str, Any]] = []
 
@@ -62,6 +61,11 @@ class Simulation:
     @property
     def time(self) -> float:
         return self.state.time
+
+    @property
+    def extremes(self) -> Extremes:
+        """Largest speed and change of the last step."""
+        return self.flow.extremes
 
     @property
     def steps(self) -> int:
@@ -84,9 +88,7 @@ class Simulation:
     def step_once(self) -> None:
         """One step, its watch, its row of history, and the decision whether to go on."""
         began = clock.perf_counter()
-        old = self.state.velocity
         self._couple(self.flow, self.bodies, self.state, self.time_step)
-        self.extremes = extremes(self.state.velocity, old)
         watch(self.grid, self.state, self.extremes, self.time_step, self.case.fluid.advection)
         self.status = self._decide()
         if self.steps % self.case.output.every == 0 or self.status != "running":
@@ -103,8 +105,7 @@ class Simulation:
         fill_ghosts(self.state.pressure, pressure_boundary(self.grid))
         self.flow.fill(self.state.velocity, 0.0)
         # What interpolation left of divergence must not become pressure in the first step.
-        self.flow.projection.solve(self.state.velocity, 1.0)
-        self.flow.projection.correct(self.state.velocity, 1.0)
+        self.flow.projection.make_divergence_free(self.state.velocity)
         self.flow.fill(self.state.velocity, 0.0)
 
     def _run_preliminary(self, observer: Observer | None) -> None:

@@ -7,11 +7,12 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit, prange
 
 from smoothprofile.boundaries import fill_ghosts, velocity_boundary
-from smoothprofile.flow.advection import Advection
+from smoothprofile.flow.advection import advect
+from smoothprofile.flow.explicit import ExplicitTerms, accumulate
 from smoothprofile.flow.mean_flow import MeanFlow
+from smoothprofile.flow.monitor import Extremes
 from smoothprofile.flow.projection import Projection
 from smoothprofile.flow.state import FlowState, Velocity, zero_velocity
 from smoothprofile.flow.viscosity import Viscosity
@@ -48,7 +49,7 @@ class Step:
     dt: float
     time: float
     velocity: Velocity
-    advection: Velocity
+    advection: Velocity | None
 
     @property
     def rate(self) -> float:
@@ -63,14 +64,12 @@ class Flow:
         self.grid, self.parameters = grid, parameters
         kinds = parameters.walls.kinds
         self.boundaries = tuple(velocity_boundary(grid, kinds, c) for c in range(3))
-        self._advection = Advection(grid)
+        self._explicit = ExplicitTerms(grid)
         self._viscosity = tuple(Viscosity(grid, boundary) for boundary in self.boundaries)
         self.projection = Projection(grid)
         self.mean_flow = MeanFlow(grid, parameters.mean_velocity, self._viscosity)
-        self._inverse_distances = tuple(
-            (1 / axis.padded_distances).astype(grid.dtype) for axis in grid.axes
-        )
-        self._spare = [zero_velocity(grid), zero_velocity(grid)]
+        self._spare: list[Velocity] = []
+        self.extremes = Extremes()
         self._wall_shear: dict[str, np.ndarray] = {}
 
     def scheme(self, state: FlowState) -> Scheme:
@@ -89,11 +88,10 @@ class Flow:
 
         pressure_weight = 0 leaves the old pressure out, as the thesis' (2.6) does.
         """
-        scheme = self.scheme(state)
-        step = Step(scheme, dt, state.time + dt, self._take_spare(), self._take_spare())
-        if self.parameters.advection:
-            self._advection(state.velocity, step.advection)
-        self._solve(state, step, step.advection, pressure_weight)
+        scheme, deep = self.scheme(state), self.parameters.scheme.levels > 1
+        advection = self._take_spare() if deep and self.parameters.advection else None
+        step = Step(scheme, dt, state.time + dt, self._take_spare(), advection)
+        self._solve(state, step, pressure_weight)
         if scheme.corrected and self.parameters.advection:
             self._correct_advection(state, step, pressure_weight)
         self._measure_wall_shear(state, step)
@@ -102,15 +100,18 @@ class Flow:
     def project(self, state: FlowState, step: Step) -> None:
         """Make the step's velocity divergence-free and add what it took to the pressure."""
         self.fill(step.velocity, step.time)
-        state.pressure += self.projection.solve(step.velocity, step.rate)
-        self.projection.correct(step.velocity, step.rate)
+        self.projection.solve(step.velocity, step.rate)
+        self.extremes = self.projection.correct(
+            step.velocity, step.rate, state.velocity, state.pressure
+        )
 
     def finish(self, state: FlowState, step: Step) -> None:
         """Take the step's velocity as the new one and keep the old levels that are still read."""
         self.fill(step.velocity, step.time)
         depth = self.parameters.scheme.levels - 1
         state.past_velocity.insert(0, state.velocity)
-        state.past_advection.insert(0, step.advection)
+        if step.advection is not None:
+            state.past_advection.insert(0, step.advection)
         for past in (state.past_velocity, state.past_advection):
             while len(past) > depth:
                 self._spare.append(past.pop())
@@ -129,61 +130,55 @@ class Flow:
         return {name: self._wall_shear.get(name, 0.0) + f for name, f in pressures.items()}
 
     def _solve(
-        self, state: FlowState, step: Step, advection: Velocity, pressure_weight: float
+        self,
+        state: FlowState,
+        step: Step,
+        pressure_weight: float,
+        advection: Velocity | None = None,
     ) -> None:
-        """The step's velocity from its explicit terms, with `advection` for N(uⁿ)."""
-        parameters = self.parameters
-        implicit = step.scheme.implicit * parameters.kinematic_viscosity / step.rate
-        for c in range(3):
-            self._explicit_terms(state, step, advection[c], c, pressure_weight)
-            self._viscosity[c].solve(
-                step.velocity[c], implicit, parameters.walls.values(c, step.time)
-            )
-        self.mean_flow.prepare(implicit, 1.0 / step.rate)
+        """The step's velocity; `advection` stands in for N(uⁿ) when given."""
+        parameters, scheme, rate = self.parameters, step.scheme, step.rate
+        implicit = scheme.implicit * parameters.kinematic_viscosity / rate
+        weights = [b / rate if parameters.advection else 0.0 for b in scheme.advection]
+        self._explicit.newest(
+            state.velocity,
+            state.pressure,
+            step.velocity,
+            step.advection if advection is None else None,
+            scheme.past[0] / scheme.gamma,
+            weights[0] if advection is None else 0.0,
+            pressure_weight / rate,
+            tuple(f / (parameters.density * rate) for f in parameters.body_force),
+        )
+        for c, out in enumerate(step.velocity):
+            if advection is not None:
+                accumulate(out, -weights[0], advection[c])
+            for weight, old in zip(scheme.past[1:], state.past_velocity, strict=False):
+                accumulate(out, weight / scheme.gamma, old[c])
+            for weight, old in zip(weights[1:], state.past_advection, strict=False):
+                accumulate(out, -weight, old[c])
+            if scheme.implicit < 1.0:
+                explicit = (1.0 - scheme.implicit) * parameters.kinematic_viscosity / rate
+                self._viscosity[c].add_explicit(state.velocity[c], explicit, out)
+            self._viscosity[c].solve(out, implicit, parameters.walls.values(c, step.time))
+        self.mean_flow.prepare(implicit, 1.0 / rate)
 
     def _correct_advection(self, state: FlowState, step: Step, pressure_weight: float) -> None:
         """Solve again with the mean of N(uⁿ) and N of the trial step, made divergence-free."""
         self.mean_flow.hold(step.velocity)
         self.fill(step.velocity, step.time)
-        self.projection.solve(step.velocity, step.rate)
-        self.projection.correct(step.velocity, step.rate)
+        self.projection.make_divergence_free(step.velocity)
         self.fill(step.velocity, step.time)
         mean = self._take_spare()
-        self._advection(step.velocity, mean)
+        advect(step.velocity, mean, self._explicit.spacings)
         for total, old in zip(mean, step.advection, strict=True):
             total += old
             total *= 0.5
-        self._solve(state, step, mean, pressure_weight)
+        self._solve(state, step, pressure_weight, mean)
         self._spare.append(mean)
 
     def _take_spare(self) -> Velocity:
         return self._spare.pop() if self._spare else zero_velocity(self.grid)
-
-    def _explicit_terms(
-        self, state: FlowState, step: Step, newest: np.ndarray, c: int, pressure_weight: float
-    ) -> None:
-        scheme, rate, parameters = step.scheme, step.rate, self.parameters
-        out = step.velocity[c]
-        advection = [(b / rate) * parameters.advection for b in scheme.advection]
-        _explicit(
-            out,
-            state.velocity[c],
-            newest,
-            state.pressure,
-            self._inverse_distances[c],
-            c,
-            scheme.past[0] / scheme.gamma,
-            advection[0],
-            pressure_weight / rate,
-            parameters.body_force[c] / (parameters.density * rate),
-        )
-        for weight, old in zip(scheme.past[1:], state.past_velocity, strict=False):
-            _accumulate(out, weight / scheme.gamma, old[c])
-        for weight, old in zip(advection[1:], state.past_advection, strict=False):
-            _accumulate(out, -weight, old[c])
-        if scheme.implicit < 1.0:
-            weight = (1.0 - scheme.implicit) * parameters.kinematic_viscosity / rate
-            self._viscosity[c].add_explicit(state.velocity[c], weight, out)
 
     def _measure_wall_shear(self, state: FlowState, step: Step) -> None:
         walls, mu = self.parameters.walls, self.parameters.viscosity
@@ -193,29 +188,3 @@ class Flow:
             old = shear_forces(self.grid, walls, state.velocity, (1 - theta) * mu, state.time)
             new = {name: new[name] + old[name] for name in new}
         self._wall_shear = new
-
-
-@njit(parallel=True, cache=True)
-def _explicit(out, u, n, p, inverse_distance, axis, past, advection, pressure, drive):
-    di, dj, dk = int(axis == 0), int(axis == 1), int(axis == 2)
-    for i in prange(1, u.shape[0] - 1):
-        for j in range(1, u.shape[1] - 1):
-            row, u0, n0, p0, below = out[i, j], u[i, j], n[i, j], p[i, j], p[i - di, j - dj]
-            if dk:
-                for k in range(1, u.shape[2] - 1):
-                    slope = pressure * inverse_distance[k] * (p0[k] - p0[k - 1])
-                    row[k] = past * u0[k] - advection * n0[k] - slope + drive
-            else:
-                factor = pressure * inverse_distance[i * di + j * dj]
-                for k in range(1, u.shape[2] - 1):
-                    slope = factor * (p0[k] - below[k])
-                    row[k] = past * u0[k] - advection * n0[k] - slope + drive
-
-
-@njit(parallel=True, cache=True)
-def _accumulate(out, weight, f):
-    for i in prange(1, f.shape[0] - 1):
-        for j in range(1, f.shape[1] - 1):
-            row, f0 = out[i, j], f[i, j]
-            for k in range(1, f.shape[2] - 1):
-                row[k] += weight * f0[k]

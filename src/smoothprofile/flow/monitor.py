@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, prange
 
 from smoothprofile.errors import BlowUpError
-from smoothprofile.flow.state import FlowState, Velocity
+from smoothprofile.flow.state import FlowState
 from smoothprofile.grid import AXIS_NAMES, Grid
 
 LARGEST_COURANT = 100.0
@@ -19,17 +18,15 @@ class Extremes:
     speed: tuple[float, float, float] = (0.0, 0.0, 0.0)
     change: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
+    @classmethod
+    def of(cls, planes: np.ndarray) -> "Extremes":
+        """From (planes, 6): speeds and changes per plane; NaN wins."""
+        found = planes.max(axis=0)
+        return cls(tuple(found[:3].tolist()), tuple(found[3:].tolist()))
+
     def rate(self, dt: float) -> float:
         """max|∂u/∂t| / max|u|, per unit time; 0 for a fluid at rest."""
         return max(self.change) / (dt * max(self.speed)) if max(self.speed) > 0 else 0.0
-
-
-def extremes(new: Velocity, old: Velocity) -> Extremes:
-    """Largest values and changes of a velocity; not a number if any plane holds one."""
-    planes = np.zeros((new[0].shape[0] - 2, 6))
-    _extremes(*new, *old, planes)
-    found = planes.max(axis=0)
-    return Extremes(tuple(found[:3].tolist()), tuple(found[3:].tolist()))
 
 
 def watch(grid: Grid, state: FlowState, found: Extremes, dt: float, advection: bool) -> None:
@@ -64,30 +61,3 @@ def _place(grid: Grid, state: FlowState, c: int, where: np.ndarray) -> str:
         f"At time {state.time:.6g} (step {state.steps}) the velocity component {AXIS_NAMES[c]} "
         f"in cell ({index}) at ({centre})"
     )
-
-
-@njit(parallel=True, cache=True)
-def _extremes(u, v, w, u0, v0, w0, planes):
-    nz = u.shape[2] - 1
-    for i in prange(1, u.shape[0] - 1):
-        # One running maximum a column, so that the inner loop vectorises.
-        best = np.zeros((6, nz + 1), u.dtype)
-        for j in range(1, u.shape[1] - 1):
-            _row(u[i, j], u0[i, j], best[0], best[3])
-            _row(v[i, j], v0[i, j], best[1], best[4])
-            _row(w[i, j], w0[i, j], best[2], best[5])
-        for m in range(6):
-            planes[i - 1, m] = best[m].max()
-        # A comparison with NaN is false, so it hides from a maximum; one sample a plane finds it.
-        for m, f in enumerate((u, v, w)):
-            sample = f[i, u.shape[1] // 2, u.shape[2] // 2]
-            if not np.isfinite(sample):
-                planes[i - 1, m] = sample if np.isnan(sample) else np.inf
-
-
-@njit(inline="always")
-def _row(new, old, speed, change):
-    for k in range(1, new.size - 1):
-        a, b = abs(new[k]), abs(new[k] - old[k])
-        speed[k] = a if a > speed[k] else speed[k]
-        change[k] = b if b > change[k] else change[k]

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit, prange
 
 from smoothprofile.boundaries import fill_ghosts, pressure_boundary
+from smoothprofile.flow.monitor import Extremes
 from smoothprofile.grid import Grid
 from smoothprofile.solvers.separable import SeparableSolver
 
@@ -30,9 +31,25 @@ class Projection:
         fill_ghosts(self.increment, self._boundary)
         return self.increment
 
-    def correct(self, velocity: tuple, rate: float) -> None:
-        """u ← u − ∇δp/rate with the δp solved last, on interior faces; ghosts are left alone."""
-        _subtract_gradient(*velocity, self.increment, 1.0 / rate, *self._spacings)
+    def correct(
+        self, velocity: tuple, rate: float, old: tuple, pressure: np.ndarray | None = None
+    ) -> Extremes:
+        """u ← u − ∇δp/rate, p ← p + δp with the δp solved last, on the interior.
+
+        Returns the largest values of the new velocity, and of its change from the old one.
+        """
+        keep = pressure is not None
+        target = pressure if keep else self.increment
+        planes = np.zeros((velocity[0].shape[0] - 2, 6))
+        _correct(*velocity, self.increment, target, keep, 1.0 / rate, *old, *self._spacings, planes)
+        if keep:
+            fill_ghosts(pressure, self._boundary)
+        return Extremes.of(planes)
+
+    def make_divergence_free(self, velocity: tuple) -> None:
+        """Project a velocity with filled ghosts; no pressure is involved."""
+        self.solve(velocity, 1.0)
+        self.correct(velocity, 1.0, velocity)
 
     def largest_divergence(self, velocity: tuple) -> float:
         """max |∇·u| of a velocity with filled ghosts; overwrites the scratch field."""
@@ -54,14 +71,43 @@ def _divergence(u, v, w, factor, out, sx, sy, sz):
 
 
 @njit(parallel=True, cache=True)
-def _subtract_gradient(u, v, w, p, factor, sx, sy, sz):
+def _correct(u, v, w, dp, p, keep, factor, u_old, v_old, w_old, sx, sy, sz, planes):
     gz = sz[1]
     for i in prange(1, u.shape[0] - 1):
+        # One running maximum a column, so that the inner loops vectorise.
+        best = np.zeros((6, u.shape[2]), u.dtype)
         for j in range(1, u.shape[1] - 1):
-            u0, v0, w0 = u[i, j], v[i, j], w[i, j]
-            p0, west, south = p[i, j], p[i - 1, j], p[i, j - 1]
-            gx, gy = factor * sx[1, i], factor * sy[1, j]
+            here, west, south = dp[i, j], dp[i - 1, j], dp[i, j - 1]
+            _correct_row(u[i, j], u_old[i, j], here, west, factor * sx[1, i], best[0], best[3])
+            _correct_row(v[i, j], v_old[i, j], here, south, factor * sy[1, j], best[1], best[4])
+            row, old, speed, change = w[i, j], w_old[i, j], best[2], best[5]
             for k in range(1, u.shape[2] - 1):
-                u0[k] -= gx * (p0[k] - west[k])
-                v0[k] -= gy * (p0[k] - south[k])
-                w0[k] -= factor * gz[k] * (p0[k] - p0[k - 1])
+                before = old[k]
+                new = row[k] - factor * gz[k] * (here[k] - here[k - 1])
+                row[k] = new
+                a, b = abs(new), abs(new - before)
+                speed[k] = a if a > speed[k] else speed[k]
+                change[k] = b if b > change[k] else change[k]
+            if keep:
+                total = p[i, j]
+                for k in range(1, u.shape[2] - 1):
+                    total[k] += here[k]
+        for m in range(6):
+            planes[i - 1, m] = best[m].max()
+        # A comparison with NaN is false, so it hides from a maximum; one sample a plane finds it,
+        # for the direct solves spread it everywhere.
+        for m, f in enumerate((u, v, w)):
+            sample = f[i, u.shape[1] // 2, u.shape[2] // 2]
+            if not np.isfinite(sample):
+                planes[i - 1, m] = sample
+
+
+@njit(inline="always")
+def _correct_row(row, old, here, below, factor, speed, change):
+    for k in range(1, row.size - 1):
+        before = old[k]
+        new = row[k] - factor * (here[k] - below[k])
+        row[k] = new
+        a, b = abs(new), abs(new - before)
+        speed[k] = a if a > speed[k] else speed[k]
+        change[k] = b if b > change[k] else change[k]

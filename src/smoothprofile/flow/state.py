@@ -25,7 +25,7 @@ class FlowState:
 
     @property
     def known_levels(self) -> int:
-        return 1 + len(self.past_advection)
+        return 1 + len(self.past_velocity)
 
 
 def zero_velocity(grid: Grid) -> Velocity:

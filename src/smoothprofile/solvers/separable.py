@@ -36,6 +36,8 @@ class SeparableSolver:
             d = second_difference(grid.axes[SWEPT], boundary, SWEPT)
             self.rows = tuple(a.astype(grid.dtype) for a in (d.lower, d.diagonal, d.upper))
             self.weights = d.weights.astype(grid.dtype)
+            alike = np.diff(self.eigenvalues[0]) == 0
+            self.groups = np.flatnonzero(np.concatenate([[True], ~alike, [True]]))
             self.ends_free = boundary.conditions[SWEPT] == ("flux", "flux")
 
     def solve(self, field: np.ndarray, shift: float, factor: float = 1.0) -> None:
@@ -53,7 +55,10 @@ class SeparableSolver:
         if self.sweeps:
             singular = shift == 0 and self.ends_free
             x, z = self.eigenvalues[0], self.eigenvalues[2]
-            _sweep(field, self.starts, x, z, *self.rows, self.weights, shift, scale, singular)
+            _sweep(
+                field, self.starts, self.groups, x, z, *self.rows, self.weights,
+                shift, scale, singular,
+            )  # fmt: skip
         else:
             _divide(field, self.starts, *self.eigenvalues.values(), shift, scale)
         for d in reversed(self.transformed):
@@ -72,31 +77,66 @@ def _divide(f, starts, lx, ly, lz, shift, scale):
 
 
 @njit(parallel=True, cache=True, error_model="numpy")
-def _sweep(f, starts, lx, lz, lower, diagonal, upper, weights, shift, scale, singular):
+def _sweep(f, starts, groups, lx, lz, lower, diagonal, upper, weights, shift, scale, singular):
     n, m = diagonal.size, lz.size
-    j0, k0 = starts[1], starts[2]
-    for i in prange(lx.size):
-        plane = f[starts[0] + i]
-        c = np.empty((n, m), f.dtype)
+    i0, j0, k0 = starts
+    for g in prange(groups.size - 1):
+        # Planes with one eigenvalue (a cosine and its sine) have the same pivots.
+        first = groups[g]
+        inverse = np.empty((n, m), f.dtype)
+        base = lz + (shift + lx[first])
         for k in range(m):
-            inverse = 1 / (diagonal[0] + (shift + lx[i] + lz[k]))
-            c[0, k] = upper[0] * inverse
-            plane[j0, k0 + k] *= scale * inverse
+            inverse[0, k] = 1 / (diagonal[0] + base[k])
         for j in range(1, n):
+            d, product, row, above = diagonal[j], lower[j] * upper[j - 1], inverse[j], inverse[j - 1]
             for k in range(m):
-                inverse = 1 / (diagonal[j] + (shift + lx[i] + lz[k]) - lower[j] * c[j - 1, k])
-                c[j, k] = upper[j] * inverse
-                plane[j0 + j, k0 + k] = (
-                    scale * plane[j0 + j, k0 + k] - lower[j] * plane[j0 + j - 1, k0 + k]
-                ) * inverse
+                row[k] = 1 / (d + base[k] - product * above[k])
+        for i in range(i0 + first, i0 + groups[g + 1]):
+            _eliminate(f, i, j0, k0, inverse, lower, upper, scale)
+            if singular and lx[first] == 0:
+                _free_constant(f[i, j0 : j0 + n], k0, lz)
+            _substitute(f, i, j0, k0, inverse, upper)
+            if singular and lx[first] == 0:
+                _remove_mean(f[i, j0 : j0 + n], k0, lz, weights)
+
+
+# Rows are one-dimensional slices, indexed from zero: the compiler vectorises loops over those.
+
+
+@njit(inline="always")
+def _eliminate(f, i, j0, k0, inverse, lower, upper, scale):
+    n, m = inverse.shape
+    row, pivot = f[i, j0, k0 : k0 + m], inverse[0]
+    for k in range(m):
+        row[k] = scale * row[k] * pivot[k]
+    for j in range(1, n):
+        above, row, pivot = row, f[i, j0 + j, k0 : k0 + m], inverse[j]
+        b = lower[j]
         for k in range(m):
-            # The constant mode: its last pivot is round-off, and its last value free.
-            if singular and lx[i] + lz[k] == 0:
-                plane[j0 + n - 1, k0 + k] = 0
-        for j in range(n - 2, -1, -1):
-            for k in range(m):
-                plane[j0 + j, k0 + k] -= c[j, k] * plane[j0 + j + 1, k0 + k]
+            row[k] = (scale * row[k] - b * above[k]) * pivot[k]
+
+
+@njit(inline="always")
+def _substitute(f, i, j0, k0, inverse, upper):
+    n, m = inverse.shape
+    row = f[i, j0 + n - 1, k0 : k0 + m]
+    for j in range(n - 2, -1, -1):
+        below, row, pivot = row, f[i, j0 + j, k0 : k0 + m], inverse[j]
+        e = upper[j]
         for k in range(m):
-            if singular and lx[i] + lz[k] == 0:
-                mean = (weights * plane[j0 : j0 + n, k0 + k]).sum() / weights.sum()
-                plane[j0 : j0 + n, k0 + k] -= mean
+            row[k] -= e * pivot[k] * below[k]
+
+
+@njit
+def _free_constant(rows, k0, lz):
+    """The constant mode's last pivot is round-off, and its last value free: zero."""
+    for k in range(lz.size):
+        if lz[k] == 0:
+            rows[-1, k0 + k] = 0
+
+
+@njit
+def _remove_mean(rows, k0, lz, weights):
+    for k in range(lz.size):
+        if lz[k] == 0:
+            rows[:, k0 + k] -= (weights * rows[:, k0 + k]).sum() / weights.sum()
