@@ -12,7 +12,6 @@
 Tables are flushed row by row, so that a run that is killed keeps what it had computed.
 """
 
-import csv
 import json
 import math
 import os
@@ -29,16 +28,13 @@ from typing import Any
 
 import numpy as np
 
+from smoothprofile.csvtables import GrowingTable, flat_row, grouped_by, number_columns, read_table
 from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.fields import FieldsFile
 from smoothprofile.grid import AXIS_NAMES
+from smoothprofile.jsontext import plain, to_json
 
 LIBRARIES = ("smoothprofile", "numpy", "scipy", "numba", "ducc0", "h5py")
-
-
-def to_json(data: Any) -> str:
-    """Strict JSON text: arrays as lists, NaN and infinity (which JSON lacks) as null."""
-    return json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def next_free_directory(parent: Path | str, name: str) -> Path:
@@ -89,8 +85,8 @@ class RunDirectory:
             "preflight": list(preflight),
         }
         self._write_run()
-        self._history = _Table(self.path / "history.csv")
-        self._particles = _Table(self.path / "particles.csv")
+        self._history = GrowingTable(self.path / "history.csv")
+        self._particles = GrowingTable(self.path / "particles.csv")
         self._rows = 0
         self._fields: FieldsFile | None = None
         self._next_snapshot: float | None = None
@@ -113,7 +109,7 @@ class RunDirectory:
         count = len(next(iter(history.values()), ()))
         for row in range(self._rows, count):
             values = {name: column[row] for name, column in history.items()}
-            self._history.append(_flat(values))
+            self._history.append(flat_row(values))
         if count > self._rows:
             self._record_particles(simulation)
         self._rows = count
@@ -143,12 +139,12 @@ class RunDirectory:
         _write(self.path / "summary.json", to_json(summary))
         self._run["status"] = simulation.status
         self._close()
-        return _plain(summary)
+        return plain(summary)
 
     def _record_particles(self, simulation: Any) -> None:
         for particle in simulation.particles:
             values = {key: value for key, value in particle.items() if key != "shape"}
-            self._particles.append(_flat({"time": simulation.time, **values}))
+            self._particles.append(flat_row({"time": simulation.time, **values}))
 
     def _record_fields(self, simulation: Any) -> None:
         output = simulation.case.output
@@ -170,7 +166,7 @@ class RunDirectory:
             wall = output.wall_line
             sample = simulation.wall_shear(wall.wall, wall.component, wall.along, wall.at)
             lines.append(("wall_shear", wall.wall, sample))
-        table = _Table(self.path / "lines.csv")
+        table = GrowingTable(self.path / "lines.csv")
         for quantity, name, (coordinates, values) in lines:
             for coordinate, value in zip(coordinates, values, strict=True):
                 row = {"quantity": quantity, "name": name, "coordinate": coordinate, "value": value}
@@ -222,8 +218,8 @@ def read_run(path: Path | str) -> RunRecord:
     if not (path / "case.toml").is_file():
         raise CaseError(f"{path} is not a run directory: it holds no case.toml.")
     case_toml = (path / "case.toml").read_text(encoding="utf-8")
-    sampled = _by(_read_table(path / "lines.csv"), "quantity")
-    velocity = _by(sampled.get("velocity", []), "name")
+    sampled = grouped_by(read_table(path / "lines.csv"), "quantity")
+    velocity = grouped_by(sampled.get("velocity", []), "name")
     shear = sampled.get("wall_shear", [])
     plane = {}
     if (path / "plane.npz").is_file():
@@ -235,10 +231,10 @@ def read_run(path: Path | str) -> RunRecord:
         case=tomllib.loads(case_toml),
         run=_read_json(path / "run.json"),
         summary=_read_json(path / "summary.json"),
-        history=_columns(_read_table(path / "history.csv")),
+        history=number_columns(read_table(path / "history.csv")),
         particles={
-            name: _columns(rows)
-            for name, rows in _by(_read_table(path / "particles.csv"), "name").items()
+            name: number_columns(rows)
+            for name, rows in grouped_by(read_table(path / "particles.csv"), "name").items()
         },
         lines={name: _curve(rows) for name, rows in velocity.items()},
         wall_shear=_curve(shear) if shear else None,
@@ -246,78 +242,9 @@ def read_run(path: Path | str) -> RunRecord:
     )
 
 
-class _Table:
-    """A CSV file that grows: the first row names the columns, each row is flushed."""
-
-    def __init__(self, path: Path):
-        self._file = path.open("x", newline="", encoding="utf-8")
-        self._writer: csv.DictWriter | None = None
-
-    def append(self, row: Mapping[str, Any]) -> None:
-        if self._writer is None:
-            self._writer = csv.DictWriter(self._file, list(row), lineterminator="\n")
-            self._writer.writeheader()
-        self._writer.writerow(row)
-        self._file.flush()
-
-    def close(self) -> None:
-        self._file.close()
-
-
-def _read_table(path: Path) -> list[dict[str, str]]:
-    """The rows of a CSV file; a last line that was cut off in the writing is left out."""
-    text = path.read_text(encoding="utf-8") if path.is_file() else ""
-    return list(csv.DictReader(text[: text.rfind("\n") + 1].splitlines()))
-
-
-def _by(rows: list[dict[str, str]], column: str) -> dict[str, list[dict[str, str]]]:
-    """Rows grouped by the value of one column, in the order of first appearance."""
-    groups: dict[str, list[dict[str, str]]] = {}
-    for row in rows:
-        groups.setdefault(row[column], []).append(row)
-    return groups
-
-
-def _columns(rows: list[dict[str, str]]) -> dict[str, np.ndarray]:
-    """The numeric columns of a table; an empty field is NaN, a column of words is left out."""
-    columns = {}
-    for name in rows[0] if rows else ():
-        try:
-            columns[name] = np.array([float(row[name] or "nan") for row in rows])
-        except ValueError:
-            continue
-    return columns
-
-
 def _curve(rows: list[dict[str, str]]) -> tuple[np.ndarray, np.ndarray]:
-    columns = _columns(rows)
+    columns = number_columns(rows)
     return columns["coordinate"], columns["value"]
-
-
-def _flat(values: Mapping[str, Any]) -> dict[str, Any]:
-    """A vector as three columns _x, _y, _z, a quaternion as four, _w first."""
-    flat = {}
-    for name, value in values.items():
-        parts = _plain(value) if isinstance(value, list | tuple | np.ndarray) else None
-        if parts is None:
-            flat[name] = value
-            continue
-        suffixes = {3: "xyz", 4: "wxyz"}.get(len(parts)) or range(len(parts))
-        flat |= {f"{name}_{suffix}": part for suffix, part in zip(suffixes, parts, strict=True)}
-    return flat
-
-
-def _plain(value: Any) -> Any:
-    """Numpy numbers and arrays as Python's, what is not finite as None."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def _status_of(error: BaseException) -> str:

@@ -3,6 +3,7 @@
 import base64
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -25,63 +26,7 @@ VERDICTS = {
     "refuse": "bad",
 }
 
-PAGE = Template("""\
-<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$title</title>
-<style>
-:root { color-scheme: light dark; --ink: #1c2430; --faint: #5b6675; --paper: #fff; --panel: #f4f6f8;
-  --rule: #d9dee4; --good: #00664a; --warn: #8a5a00; --bad: #b03a00; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e6eaef; --faint: #9fabb8; --paper: #14181d;
-  --panel: #1d232a; --rule: #343d47; --good: #4fd1a5; --warn: #f0b429; --bad: #ff8a5c; } }
-@media print { :root { --ink: #000; --faint: #444; --paper: #fff; --panel: #fff; --rule: #bbb;
-  --good: #00664a; --warn: #8a5a00; --bad: #b03a00; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 2rem 1.25rem 4rem; max-width: 68rem; color: var(--ink);
-  background: var(--paper); font: 1rem/1.5 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
-h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 .4rem; }
-h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; break-after: avoid; }
-p { margin: .4rem 0; }
-.faint, figcaption, .note { color: var(--faint); font-size: .9rem; }
-.badge { font-weight: 600; border: 1px solid currentColor; border-radius: 1rem;
-  padding: .05rem .6rem; margin-right: .5rem; white-space: nowrap; }
-.good { color: var(--good); } .warn { color: var(--warn); } .bad { color: var(--bad); }
-.scroll { overflow-x: auto; margin: 0 0 1rem; }
-table { border-collapse: collapse; font-size: .95rem; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: .3rem 1.1rem .3rem 0; border-bottom: 1px solid var(--rule);
-  vertical-align: top; }
-th { color: var(--faint); font-weight: 600; font-size: .85rem; vertical-align: bottom; }
-.number { text-align: right; white-space: nowrap; }
-.figures { display: grid; gap: 1rem; grid-template-columns: repeat(2, minmax(0, 1fr)); }
-figure { margin: 0; background: var(--panel); border: 1px solid var(--rule); border-radius: .5rem;
-  padding: .6rem; break-inside: avoid; }
-figure img { display: block; width: 100%; height: auto; background: #fff; border-radius: .25rem; }
-figure:first-child { grid-column: 1 / -1; }
-figure:first-child img { max-height: 34rem; object-fit: contain; }
-figcaption { padding: .5rem .2rem 0; }
-details { margin: .8rem 0; border: 1px solid var(--rule); border-radius: .5rem;
-  padding: .5rem .9rem; background: var(--panel); break-inside: avoid; }
-summary { cursor: pointer; font-weight: 600; }
-pre { overflow-x: auto; font: .85rem/1.45 ui-monospace, "DejaVu Sans Mono", monospace; }
-@media (max-width: 46rem) { .figures { grid-template-columns: minmax(0, 1fr); } }
-@media print { body { padding: 0; max-width: none; font-size: .85rem; }
-  tr { break-inside: avoid; } }
-</style>
-</head>
-<body>
-<header>
-<h1>$title</h1>
-<p>$status</p>
-</header>
-<main>
-$sections
-</main>
-</body>
-</html>
-""")
+PAGE = Template(files("smoothprofile").joinpath("page.html").read_text(encoding="utf-8"))
 
 
 def write_report(directory: Path | str) -> Path:

@@ -88,7 +88,8 @@ def _sweep(f, starts, groups, lx, lz, lower, diagonal, upper, weights, shift, sc
         for k in range(m):
             inverse[0, k] = 1 / (diagonal[0] + base[k])
         for j in range(1, n):
-            d, product, row, above = diagonal[j], lower[j] * upper[j - 1], inverse[j], inverse[j - 1]
+            d, product = diagonal[j], lower[j] * upper[j - 1]
+            row, above = inverse[j], inverse[j - 1]
             for k in range(m):
                 row[k] = 1 / (d + base[k] - product * above[k])
         for i in range(i0 + first, i0 + groups[g + 1]):
