@@ -1,68 +1,105 @@
-"""The command `spm`."""
+"""The command `spm`.
 
+Each command imports what it needs when it is called, so that help comes at once.
+"""
+
+import math
+import signal
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from smoothprofile import __version__, cases
-from smoothprofile.bench import measure
-from smoothprofile.config import load_case
-from smoothprofile.console import Watcher, exit_codes, print_json, print_table, say
-from smoothprofile.doctor import examine
-from smoothprofile.errors import CaseError
-from smoothprofile.output import RunDirectory, next_free_directory
-from smoothprofile.report import write_report
-from smoothprofile.simulation import Simulation
-from smoothprofile.threads import available_threads, set_thread_count
+from smoothprofile.console import (
+    Watcher,
+    answer,
+    check_free,
+    exit_codes,
+    leave,
+    print_json,
+    print_table,
+    say,
+)
+from smoothprofile.errors import BlowUpError
+
+# Waking a second thread costs more than it saves on fewer cells than this.
+CELLS_PER_THREAD = 32768
 
 app = typer.Typer(
     help="Particles in incompressible flow by the smoothed profile method.",
+    epilog="Begin with: spm cases, then spm run duct.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     add_completion=False,
 )
 
-CaseArgument = Annotated[str, typer.Argument(help="A TOML file, or a built-in case's name.")]
+CaseArgument = Annotated[
+    str, typer.Argument(metavar="CASE", help="A TOML file, or a built-in case's name.")
+]
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
+JsonFile = Annotated[
+    Path | None, typer.Option("--out", metavar="FILE", help="Write the JSON object to a file.")
+]
 Settings = Annotated[
     list[str] | None,
-    typer.Option("--set", help="Change the case: table.key=value. May be given many times."),
+    typer.Option(
+        "--set", metavar="TABLE.KEY=VALUE", help="Change the case. May be given many times."
+    ),
 ]
 Threads = Annotated[
-    int | None, typer.Option(help="Threads to use; all of the machine's if left out.")
+    int | None,
+    typer.Option(metavar="N", help="Threads to use; if left out, as many as the grid keeps busy."),
 ]
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from smoothprofile import __version__
+
+        typer.echo(f"smoothprofile {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def spm(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    """Particles in incompressible flow by the smoothed profile method."""
 
 
 @app.command("cases")
-def cases_command(json: Json = False) -> None:
+def cases_command(out: JsonFile = None, json: Json = False) -> None:
     """List the built-in cases."""
     with exit_codes(json):
+        from smoothprofile import cases
+
         entries = cases.list_cases()
-        if json:
-            print_json({"cases": [entry._asdict() for entry in entries]})
-            return
-        print_table(
-            "Built-in cases", ("name", "what it is"), [(e.name, e.description) for e in entries]
-        )
-        say("spm run NAME runs one; spm new NAME writes it out to edit.")
+        if answer({"cases": [entry._asdict() for entry in entries]}, json, out):
+            rows = [(entry.name, entry.description) for entry in entries]
+            print_table("Built-in cases", ("name", "what it is"), rows)
+            say("spm run NAME runs one; spm new NAME writes it out to edit.")
 
 
 @app.command()
 def new(
-    case: Annotated[str, typer.Argument(help="A built-in case's name.")],
+    case: Annotated[str, typer.Argument(metavar="NAME", help="A built-in case's name.")],
     out: Annotated[
-        Path | None, typer.Option(help="The file to write; NAME.toml if left out.")
+        Path | None,
+        typer.Option(metavar="FILE", help="The file to write; NAME.toml if left out."),
     ] = None,
     json: Json = False,
 ) -> None:
     """Write a built-in case to a file, to edit."""
     with exit_codes(json):
+        from smoothprofile import cases
+
         text = cases.case_path(case).read_text(encoding="utf-8")
         target = out or Path(f"{case}.toml")
-        if target.exists():
-            raise CaseError(f"the file {target} exists already; nothing was overwritten.")
+        check_free(target)
         target.write_text(text, encoding="utf-8")
         if json:
             print_json({"file": str(target)})
@@ -72,25 +109,35 @@ def new(
 
 @app.command()
 def check(
-    case: CaseArgument, set_: Settings = None, threads: Threads = None, json: Json = False
+    case: CaseArgument,
+    set_: Settings = None,
+    threads: Threads = None,
+    out: JsonFile = None,
+    json: Json = False,
 ) -> None:
     """Say what a case amounts to, before hours are spent on it."""
     with exit_codes(json):
-        _use(threads)
-        simulation = Simulation(load_case(case, set_ or []))
+        from smoothprofile.config import load_case
+        from smoothprofile.simulation import Simulation
+
+        check_free(out)
+        loaded = load_case(case, set_ or [])
+        _use(threads, loaded.domain.cells)
+        simulation = Simulation(loaded)
         rows = simulation.preflight()
-        if json:
-            print_json({"title": simulation.case.title, "checks": rows})
-            return
-        heads = ("check", "value", "limit or best", "verdict", "note")
-        print_table(simulation.case.title, heads, [tuple(row.values()) for row in rows])
+        if answer({"title": simulation.case.title, "checks": rows}, json, out):
+            heads = ("check", "value", "limit or best", "verdict", "note")
+            print_table(simulation.case.title, heads, [tuple(row.values()) for row in rows])
 
 
 @app.command()
 def run(
     case: CaseArgument,
     out: Annotated[
-        Path | None, typer.Option(help="The run directory; runs/NAME if left out.")
+        Path | None,
+        typer.Option(
+            metavar="DIRECTORY", help="The run directory, which is made; runs/CASE if left out."
+        ),
     ] = None,
     set_: Settings = None,
     threads: Threads = None,
@@ -98,40 +145,57 @@ def run(
 ) -> None:
     """Run a case; ends with a table and a report."""
     with exit_codes(json):
-        _use(threads)
-        simulation = Simulation(load_case(case, set_ or []))
-        for row in simulation.preflight():
-            if row["verdict"] == "warn":
-                say("Note: {name} is {value:.3g}, against {limit:.3g}: {note}.".format(**row))
-        path = out or next_free_directory("runs", Path(case).stem)
-        resolved = simulation.case.to_toml()
-        with (
-            RunDirectory(path, resolved, simulation.preflight()) as directory,
-            Watcher(quiet=json) as watcher,
-        ):
+        from smoothprofile.config import load_case
+        from smoothprofile.output import RunDirectory, next_free_directory
+        from smoothprofile.report import write_report
+        from smoothprofile.simulation import Simulation
+
+        loaded = load_case(case, set_ or [])
+        _use(threads, loaded.domain.cells)
+        with Watcher(quiet=json) as watcher:
+            simulation = Simulation(loaded)
+            for row in simulation.preflight():
+                if row["verdict"] == "warn":
+                    say("Note: {name} is {value:.3g}, against {limit:.3g}: {note}.".format(**row))
+            path = out or next_free_directory("runs", Path(case).stem)
+            directory = RunDirectory(path, simulation.case.to_toml(), simulation.preflight())
 
             def observe(running: Simulation) -> None:
                 watcher(running)
                 if running is simulation:
                     directory.record(running)
 
-            simulation.run(observe)
-            summary = directory.finish(simulation)
-        report_path = write_report(path)
+            try:
+                with directory:
+                    simulation.run(observe)
+                    summary = directory.finish(simulation)
+            except (BlowUpError, KeyboardInterrupt) as error:
+                page = write_report(path)
+                say(f"What was computed is in {path}; open {page}.")
+                leave(error, json, directory=str(path), report=str(page))
+        page = write_report(path)
         if json:
-            print_json({**summary, "directory": str(path), "report": str(report_path)})
+            print_json({**summary, "directory": str(path), "report": str(page)})
             return
         print_table(simulation.case.title, ("quantity", "value", ""), simulation.table())
-        say(f"Everything is in {path}; open {report_path}.")
+        say(f"Everything is in {path}; open {page}.")
 
 
 @app.command()
 def report(
-    directory: Annotated[Path, typer.Argument(help="A run directory.")], json: Json = False
+    directory: Annotated[Path, typer.Argument(metavar="DIRECTORY", help="A run directory.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="The page to write; report.html there if left out."),
+    ] = None,
+    json: Json = False,
 ) -> None:
     """Rebuild the report of a run from its directory."""
     with exit_codes(json):
-        path = write_report(directory)
+        from smoothprofile.report import write_report
+
+        check_free(out)
+        path = write_report(directory, out)
         if json:
             print_json({"report": str(path)})
         else:
@@ -141,43 +205,57 @@ def report(
 @app.command()
 def bench(
     case: Annotated[
-        str, typer.Argument(help="What to time: a case; its first steps are run.")
+        str, typer.Argument(metavar="CASE", help="What to time; its first steps are run.")
     ] = "duct",
-    cells: Annotated[str, typer.Option(help="The grid, as 256,90,90.")] = "256,90,90",
+    cells: Annotated[str, typer.Option(metavar="NX,NY,NZ", help="The grid.")] = "256,90,90",
     set_: Settings = None,
-    threads: Threads = None,
+    threads: Annotated[
+        int | None, typer.Option(metavar="N", help="Threads to use; all if left out.")
+    ] = None,
+    out: JsonFile = None,
     json: Json = False,
 ) -> None:
-    """Speed and memory, as ratios to an FFT round trip and a memory copy in the same process."""
+    """Speed and memory of a step, beside an FFT round trip and a memory copy."""
     with exit_codes(json):
+        from smoothprofile.bench import measure
+
+        check_free(out)
         _use(threads)
         found = measure(case, [f"domain.cells=[{cells}]", "start=[]", *(set_ or [])])
-        if json:
-            print_json(found)
-            return
-        print_table("Speed and memory", ("quantity", "value"), list(found.items()))
+        if answer(found, json, out):
+            print_table("Speed and memory", ("quantity", "value"), list(found.items()))
 
 
 @app.command()
-def doctor(json: Json = False) -> None:
+def doctor(out: JsonFile = None, json: Json = False) -> None:
     """Versions, threads, and a self-test."""
     with exit_codes(json):
+        from smoothprofile.doctor import examine
+
+        check_free(out)
         found = examine()
-        if json:
-            print_json(found)
-        else:
-            rows = [(k, v) for k, v in found.items() if k != "tests"]
-            print_table(f"smoothprofile {__version__}", ("", ""), rows)
+        if answer(found, json, out):
+            rows = [(name, value) for name, value in found.items() if name != "tests"]
+            print_table("Installation", ("what", "which"), rows)
             heads = ("self-test", "measured", "limit", "verdict")
             print_table("", heads, [tuple(test.values()) for test in found["tests"]])
         if any(test["verdict"] != "ok" for test in found["tests"]):
             raise typer.Exit(3)
 
 
-def _use(threads: int | None) -> None:
-    set_thread_count(threads if threads is not None else available_threads())
+def _use(threads: int | None, cells: tuple[int, int, int] | None = None) -> None:
+    """Set the number of threads: what is asked for, else what is there and is worth waking."""
+    from smoothprofile.threads import available_threads, set_thread_count
+
+    if threads is None:
+        threads = available_threads()
+        if cells is not None:
+            threads = max(1, min(threads, math.prod(cells) // CELLS_PER_THREAD))
+    set_thread_count(threads)
 
 
 def main() -> None:
     """Entry point of `spm`."""
+    # What asks a process to end, ends it as Ctrl-C does: files closed, status written.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     app()

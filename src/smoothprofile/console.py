@@ -1,10 +1,13 @@
 """How commands speak: tables and progress for people, one JSON object for programs, exit codes."""
 
+import math
 import sys
 import time as clock
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from pathlib import Path
+from threading import Timer
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 from rich.console import Console
@@ -13,16 +16,38 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from smoothprofile.errors import BlowUpError, CaseError
-from smoothprofile.output import to_json
-from smoothprofile.simulation import Simulation
+from smoothprofile.jsontext import to_json
+
+if TYPE_CHECKING:
+    from smoothprofile.simulation import Simulation
 
 DONE, BAD_INPUT, BLEW_UP, STOPPED = 0, 2, 3, 4
 SECONDS_BETWEEN_LINES = 5.0
+PREPARING = "Preparing. The first run on a machine also compiles, which takes about a minute."
 
 
 def print_json(data: Any) -> None:
     """One JSON object, alone on standard output."""
     sys.stdout.write(to_json(data) + "\n")
+
+
+def check_free(file: Path | None) -> None:
+    """CaseError if the file is there already; to be asked before any work is done for it."""
+    if file is not None and file.exists():
+        raise CaseError(f"the file {file} exists already; nothing was overwritten.")
+
+
+def answer(data: Any, json: bool, out: Path | None) -> bool:
+    """Give `data` as JSON on standard output and to the file `out`, each if asked for.
+
+    Returns whether it is still to be shown to a person.
+    """
+    if out is not None:
+        check_free(out)
+        out.write_text(to_json(data) + "\n", encoding="utf-8")
+    if json:
+        print_json(data)
+    return not json
 
 
 def print_table(title: str, heads: tuple[str, ...], rows: list[tuple]) -> None:
@@ -45,24 +70,32 @@ def exit_codes(json: bool) -> Iterator[None]:
     """Turn the ways a command ends badly into one sentence and an exit code."""
     try:
         yield
-    except CaseError as error:
-        _leave(json, "refused", str(error), BAD_INPUT)
-    except BlowUpError as error:
-        _leave(json, "blew_up", str(error), BLEW_UP)
-    except KeyboardInterrupt:
-        _leave(json, "interrupted", "Stopped by a signal.", STOPPED)
-    except OSError as error:
-        what = f"{error.strerror}: {error.filename}" if error.filename else str(error)
-        _leave(json, "refused", f"{what}.", BAD_INPUT)
-    except MemoryError:
-        _leave(json, "refused", "The memory of this machine is too small.", BAD_INPUT)
+    except BrokenPipeError:
+        raise
+    except (CaseError, BlowUpError, KeyboardInterrupt, OSError, MemoryError) as error:
+        leave(error, json)
 
 
-def _leave(json: bool, status: str, message: str, code: int) -> None:
+def leave(error: BaseException, json: bool, **more: Any) -> NoReturn:
+    """Say in one sentence how a command ended, as JSON too if asked, with what `more` there is."""
+    status, code, message = _ending(error)
     if json:
-        print_json({"status": status, "error": message, "exit_code": code})
+        print_json({"status": status, "error": message, "exit_code": code, **more})
     say(message)
     raise typer.Exit(code)
+
+
+def _ending(error: BaseException) -> tuple[str, int, str]:
+    """Status, exit code and sentence."""
+    if isinstance(error, BlowUpError):
+        return "blew_up", BLEW_UP, str(error)
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted", STOPPED, "Stopped by a signal."
+    if isinstance(error, MemoryError):
+        return "refused", BAD_INPUT, "The memory of this machine is too small."
+    if isinstance(error, OSError) and error.filename:
+        return "refused", BAD_INPUT, f"{error.strerror}: {error.filename}."
+    return "refused", BAD_INPUT, str(error)
 
 
 class Watcher:
@@ -76,21 +109,27 @@ class Watcher:
             BarColumn(),
             TextColumn("t = {task.fields[time]:.4g}"),
             TimeRemainingColumn(),
-            console=Console(stderr=True),
+            console=Console(stderr=True, highlight=False, soft_wrap=True),
             transient=True,
         )
         self._tasks: dict[int, Any] = {}
+        self._patience = Timer(SECONDS_BETWEEN_LINES, self._bar.console.print, (PREPARING,))
+        self._patience.daemon = True
 
     def __enter__(self) -> "Watcher":
         if self._live:
             self._bar.start()
+        if not self._quiet:
+            self._patience.start()
         return self
 
     def __exit__(self, *_) -> None:
+        self._patience.cancel()
         if self._live:
             self._bar.stop()
 
-    def __call__(self, simulation: Simulation) -> None:
+    def __call__(self, simulation: "Simulation") -> None:
+        self._patience.cancel()
         end = simulation.case.time.end
         shape = "×".join(str(n) for n in simulation.grid.shape)
         if self._live:
@@ -112,4 +151,6 @@ class Watcher:
 def _text(cell: Any) -> str:
     if cell is None:
         return "–"
-    return f"{cell:.5g}" if isinstance(cell, float) else str(cell)
+    if isinstance(cell, float):
+        return f"{cell:.5g}" if math.isfinite(cell) else "none"
+    return str(cell)

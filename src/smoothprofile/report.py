@@ -29,8 +29,8 @@ VERDICTS = {
 PAGE = Template(files("smoothprofile").joinpath("page.html").read_text(encoding="utf-8"))
 
 
-def write_report(directory: Path | str) -> Path:
-    """Draw the figures of a run directory and write its report.html; returns that path.
+def write_report(directory: Path | str, out: Path | None = None) -> Path:
+    """Draw the figures of a run directory and write its report.html, or `out`; returns that path.
 
     Both are made anew from the other files each time. CaseError if the directory is not one.
     """
@@ -41,7 +41,7 @@ def write_report(directory: Path | str) -> Path:
     (record.path / "figures").mkdir(exist_ok=True)
     for picture in drawn:
         (record.path / "figures" / f"{picture.name}.png").write_bytes(picture.png)
-    report = record.path / "report.html"
+    report = out or record.path / "report.html"
     report.write_text(page(record, drawn, reference), encoding="utf-8")
     return report
 
