@@ -138,6 +138,75 @@ def test_time_order_with_walls(scheme):
     assert slope(steps, errors) >= min(SCHEMES[scheme], 2) - 0.15
 
 
+def manufactured(grid, nu):
+    """u = g S(x)S'(y), v = −g S'(x)S(y), S = sin²πx, p = g cos πx cos πy in a closed square.
+
+    No-slip at all four walls, zero normal gradient of p there. Returns velocity(t), forcing(t).
+    """
+    pi = np.pi
+
+    def shapes(x):
+        return (
+            np.sin(pi * x) ** 2,
+            pi * np.sin(2 * pi * x),
+            2 * pi**2 * np.cos(2 * pi * x),
+            -4 * pi**3 * np.sin(2 * pi * x),
+        )
+
+    def parts(component, t):
+        x, y, z = points(grid, component)
+        g, dg = np.cos(2 * t), -2 * np.sin(2 * t)
+        (s, s1, s2, s3), (r, r1, r2, r3) = shapes(x), shapes(y)
+        u, v = g * s * r1, -g * s1 * r
+        if component == 0:
+            value, rate = u, dg * s * r1
+            gradient = (g * s1 * r1, g * s * r2)
+            laplacian = g * (s2 * r1 + s * r3)
+            pressure = -pi * g * np.sin(pi * x) * np.cos(pi * y)
+        else:
+            value, rate = v, -dg * s1 * r
+            gradient = (-g * s2 * r, -g * s1 * r1)
+            laplacian = -g * (s3 * r + s1 * r2)
+            pressure = -pi * g * np.cos(pi * x) * np.sin(pi * y)
+        force = rate + u * gradient[0] + v * gradient[1] - nu * laplacian + pressure
+        return value + 0 * z, force + 0 * z
+
+    def velocity(t):
+        return parts(0, t)[0], parts(1, t)[0], grid.zeros()
+
+    def forcing(t):
+        return parts(0, t)[1], parts(1, t)[1], grid.zeros()
+
+    return velocity, forcing
+
+
+def manufactured_error(n, dt, scheme, end, nu=0.1):
+    grid = box((n, n, 2), (1.0, 1.0, 1.0), (False, False, True))
+    velocity, forcing = manufactured(grid, nu)
+    flow = make_flow(grid, scheme, viscosity=nu, forcing=forcing)
+    state = start(flow, tuple(lambda x, y, z, f=f: f for f in velocity(0.0)))
+    run(flow, state, dt, end)
+    difference = state.velocity[0] - velocity(state.time)[0]
+    return np.sqrt((difference[1:-1, 1:-1, 1:-1] ** 2).mean())
+
+
+def test_space_order_of_a_manufactured_flow_between_walls():
+    sizes = (16, 24, 32)
+    errors = [manufactured_error(n, 0.002, "bdf2", 0.2) for n in sizes]
+    assert slope([1 / n for n in sizes], errors) == pytest.approx(2.0, abs=0.1)
+
+
+def test_wrong_forcing_would_be_seen():
+    """The same flow with viscosity off by a tenth does not converge."""
+    grid = box((16, 16, 2), (1.0, 1.0, 1.0), (False, False, True))
+    velocity, forcing = manufactured(grid, 0.1)
+    flow = make_flow(grid, "bdf2", viscosity=0.11, forcing=forcing)
+    state = start(flow, tuple(lambda x, y, z, f=f: f for f in velocity(0.0)))
+    run(flow, state, 0.002, 0.2)
+    wrong = np.abs(state.velocity[0] - velocity(state.time)[0])[1:-1, 1:-1, 1:-1].max()
+    assert wrong > 5 * manufactured_error(16, 0.002, "bdf2", 0.2)
+
+
 def test_divergence_is_round_off():
     grid = Grid(
         (

@@ -4,6 +4,7 @@
 ∇²δp = (γ/Δt)∇·uˢ,   uⁿ⁺¹ = uˢ − (Δt/γ)∇δp,   pⁿ⁺¹ = pⁿ + δp
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,6 +27,7 @@ class FlowParameters:
     """Density ρ, dynamic viscosity μ, body force per unit volume, walls, and the time scheme.
 
     mean_velocity[axis] is held by an extra body force; None leaves that component free.
+    forcing(t) gives three padded fields of acceleration that act besides; None for none.
     """
 
     density: float = 1.0
@@ -35,6 +37,7 @@ class FlowParameters:
     walls: Walls = field(default_factory=Walls)
     scheme: Scheme = SCHEMES["backward-euler"]
     advection: bool = True
+    forcing: Callable[[float], Velocity] | None = None
 
     @property
     def kinematic_viscosity(self) -> float:
@@ -150,7 +153,10 @@ class Flow:
             pressure_weight / rate,
             tuple(f / (parameters.density * rate) for f in parameters.body_force),
         )
+        forcing = parameters.forcing and parameters.forcing(state.time + scheme.implicit * step.dt)
         for c, out in enumerate(step.velocity):
+            if forcing:
+                accumulate(out, 1.0 / rate, forcing[c])
             if advection is not None:
                 accumulate(out, -weights[0], advection[c])
             for weight, old in zip(scheme.past[1:], state.past_velocity, strict=False):

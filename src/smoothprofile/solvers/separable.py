@@ -12,9 +12,11 @@ from numba import njit, prange
 
 from smoothprofile.boundaries import FieldBoundary
 from smoothprofile.grid import Grid
+from smoothprofile.threads import thread_count
 from smoothprofile.transforms import basis_for, second_difference
 
 SWEPT = 1
+CACHE_BYTES = 1024 * 1024
 
 
 class SeparableSolver:
@@ -37,7 +39,11 @@ class SeparableSolver:
             self.rows = tuple(a.astype(grid.dtype) for a in (d.lower, d.diagonal, d.upper))
             self.weights = d.weights.astype(grid.dtype)
             alike = np.diff(self.eigenvalues[0]) == 0
-            self.groups = np.flatnonzero(np.concatenate([[True], ~alike, [True]]))
+            groups = np.flatnonzero(np.concatenate([[True], ~alike, [True]]))
+            plane = self.shape[1] * self.shape[2] * np.dtype(grid.dtype).itemsize
+            size = max(1, CACHE_BYTES // (2 * plane))
+            self.whole = [groups]
+            self.blocks = [groups[a : a + size + 1] for a in range(0, groups.size - 1, size)]
             self.ends_free = boundary.conditions[SWEPT] == ("flux", "flux")
 
     def solve(self, field: np.ndarray, shift: float, factor: float = 1.0) -> None:
@@ -49,20 +55,35 @@ class SeparableSolver:
         if not self.solvable:
             return
         view = field[self.unknowns]
-        for d in self.transformed:
-            self.bases[d].forward(view, d)
         shift, scale = field.dtype.type(shift), field.dtype.type(factor * self.normalisation)
+        self.bases[0].forward(view, 0)
         if self.sweeps:
-            singular = shift == 0 and self.ends_free
-            x, z = self.eigenvalues[0], self.eigenvalues[2]
-            _sweep(
-                field, self.starts, self.groups, x, z, *self.rows, self.weights,
-                shift, scale, singular,
-            )  # fmt: skip
+            # One thread goes through blocks that its cache holds; several share whole passes.
+            for groups in self.blocks if thread_count() == 1 else self.whole:
+                self._solve_planes(field, groups, shift, scale)
         else:
-            _divide(field, self.starts, *self.eigenvalues.values(), shift, scale)
-        for d in reversed(self.transformed):
+            self._solve_modes(field, shift, scale)
+        self.bases[0].backward(view, 0)
+
+    def _solve_modes(self, field: np.ndarray, shift: float, scale: float) -> None:
+        """Divide by the eigenvalues in the bases of y and z."""
+        view = field[self.unknowns]
+        for d in (1, 2):
+            self.bases[d].forward(view, d)
+        _divide(field, self.starts, *self.eigenvalues.values(), shift, scale)
+        for d in (2, 1):
             self.bases[d].backward(view, d)
+
+    def _solve_planes(
+        self, field: np.ndarray, groups: np.ndarray, shift: float, scale: float
+    ) -> None:
+        """Transform z, sweep y, transform back, for the x modes groups[0] … groups[−1]."""
+        view = field[self.unknowns][groups[0] : groups[-1]]
+        x, z = self.eigenvalues[0], self.eigenvalues[2]
+        singular = shift == 0 and self.ends_free
+        self.bases[2].forward(view, 2)
+        _sweep(field, self.starts, groups, x, z, *self.rows, self.weights, shift, scale, singular)
+        self.bases[2].backward(view, 2)
 
 
 @njit(parallel=True, cache=True, error_model="numpy")
