@@ -150,6 +150,7 @@ def run(
         from smoothprofile.report import write_report
         from smoothprofile.simulation import Simulation
 
+        check_free(out, "output directory")
         loaded = load_case(case, set_ or [])
         _use(threads, loaded.domain.cells)
         with Watcher(quiet=json) as watcher:
@@ -170,9 +171,7 @@ def run(
                     simulation.run(observe)
                     summary = directory.finish(simulation)
             except (BlowUpError, KeyboardInterrupt) as error:
-                page = write_report(path)
-                say(f"What was computed is in {path}; open {page}.")
-                leave(error, json, directory=str(path), report=str(page))
+                leave(error, json, path, write_report(path))
         page = write_report(path)
         if json:
             print_json({**summary, "directory": str(path), "report": str(page)})

@@ -10,6 +10,7 @@ from threading import Timer
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
+from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -31,10 +32,10 @@ def print_json(data: Any) -> None:
     sys.stdout.write(to_json(data) + "\n")
 
 
-def check_free(file: Path | None) -> None:
-    """CaseError if the file is there already; to be asked before any work is done for it."""
-    if file is not None and file.exists():
-        raise CaseError(f"the file {file} exists already; nothing was overwritten.")
+def check_free(path: Path | None, kind: str = "file") -> None:
+    """CaseError if the path is taken; to be asked before any work is done for it."""
+    if path is not None and path.exists():
+        raise CaseError(f"the {kind} {path} exists already; nothing was overwritten.")
 
 
 def answer(data: Any, json: bool, out: Path | None) -> bool:
@@ -52,7 +53,14 @@ def answer(data: Any, json: bool, out: Path | None) -> bool:
 
 def print_table(title: str, heads: tuple[str, ...], rows: list[tuple]) -> None:
     """A table on standard output."""
-    table = Table(title=title, title_justify="left", title_style="bold", header_style="")
+    table = Table(
+        title=title,
+        title_justify="left",
+        title_style="bold",
+        header_style="",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
     for head in heads:
         table.add_column(head, overflow="fold")
     for row in rows:
@@ -76,12 +84,17 @@ def exit_codes(json: bool) -> Iterator[None]:
         leave(error, json)
 
 
-def leave(error: BaseException, json: bool, **more: Any) -> NoReturn:
-    """Say in one sentence how a command ended, as JSON too if asked, with what `more` there is."""
+def leave(
+    error: BaseException, json: bool, directory: Path | None = None, report: Path | None = None
+) -> NoReturn:
+    """Say in one sentence how a command ended, and where the run directory is that it leaves."""
     status, code, message = _ending(error)
+    left = {} if directory is None else {"directory": str(directory), "report": str(report)}
     if json:
-        print_json({"status": status, "error": message, "exit_code": code, **more})
+        print_json({"status": status, "error": message, "exit_code": code, **left})
     say(message)
+    if left:
+        say("What was computed is in {directory}; open {report}.".format(**left))
     raise typer.Exit(code)
 
 

@@ -8,7 +8,7 @@ project                ∇²δp = (γ/Δt)∇·u**,   uⁿ⁺¹ = u** − (Δt/�
 from collections.abc import Callable
 
 from smoothprofile.errors import CaseError
-from smoothprofile.flow.advance import Flow
+from smoothprofile.flow.advance import Flow, Step
 from smoothprofile.flow.state import FlowState
 from smoothprofile.particles.particles import Particles
 
@@ -22,7 +22,7 @@ def incremental(flow: Flow, particles: Particles, state: FlowState, dt: float) -
     """
     move_and_paint(flow, particles, state, dt)
     step = flow.predict(state, dt)
-    hold_mean(flow, particles, step.velocity)
+    hold_mean(flow, particles, step)
     particles.impose(step.velocity, step.scheme, dt)
     flow.project(state, step)
     flow.finish(state, step)
@@ -37,7 +37,7 @@ def thesis(flow: Flow, particles: Particles, state: FlowState, dt: float) -> Non
     step = flow.predict(state, dt, pressure_weight=0.0)
     state.pressure[...] = 0.0
     flow.project(state, step)
-    hold_mean(flow, particles, step.velocity)
+    hold_mean(flow, particles, step)
     particles.impose(step.velocity, step.scheme, dt)
     flow.project(state, step)
     flow.finish(state, step)
@@ -59,7 +59,7 @@ def move_and_paint(flow: Flow, particles: Particles, state: FlowState, dt: float
     particles.paint()
 
 
-def hold_mean(flow: Flow, particles: Particles, velocity: tuple) -> None:
+def hold_mean(flow: Flow, particles: Particles, step: Step) -> None:
     """Hold the mean velocity that the flow will have once rigid motion is imposed."""
 
     def mean(field, axis, is_velocity):
@@ -67,4 +67,4 @@ def hold_mean(flow: Flow, particles: Particles, velocity: tuple) -> None:
             field, axis, is_velocity
         )
 
-    flow.mean_flow.hold(velocity, mean)
+    flow.hold_mean(step, mean)

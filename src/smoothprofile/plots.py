@@ -18,11 +18,20 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from scipy.interpolate import RegularGridInterpolator
 
+from smoothprofile.labels import (
+    LOADS,
+    NUMBERS,
+    SYMBOLS,
+    line_label,
+    load_label,
+    position,
+    reference_label,
+)
 from smoothprofile.output import RunRecord
 
-SYMBOLS = {"x": "x₁", "y": "x₂", "z": "x₃"}
-NUMBERS = {"x": "₁", "y": "₂", "z": "₃"}
-DASHES = {"x": "-", "y": "--", "z": ":"}
+DASHES = ("-", "--", ":")
+# A force this small beside the torque, both in the case's own units, is none.
+ROUND_OFF = 1e-9
 LEVEL = {"color": "black", "linestyle": (0, (6, 3)), "linewidth": 1.0}
 
 # Okabe and Ito: told apart with every kind of colour blindness.
@@ -83,7 +92,7 @@ def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> l
     with matplotlib.rc_context(STYLE):
         drawn = [
             plane_picture(record.plane),
-            force_picture(record.particles, reference),
+            load_picture(record.particles, reference),
             *profile_pictures(record.lines, output.get("lines", ()), reference),
             wall_shear_picture(record.wall_shear, output.get("wall_line", {}), reference),
             convergence_picture(record.history, tolerance),
@@ -115,7 +124,7 @@ def plane_picture(plane: Mapping[str, np.ndarray]) -> Picture | None:
         figure.legend(handles=[edge], loc="outside lower center")
     axes.set_aspect("equal" if 0.1 < ratio < 10 else "auto")
     axes.grid(visible=False)
-    where = _position(str(plane["axis"]), float(plane["at"]))
+    where = position(str(plane["axis"]), float(plane["at"]))
     axes.set(
         title=f"Speed in the plane {where}",
         xlabel=f"{SYMBOLS[first]} (length)",
@@ -125,36 +134,42 @@ def plane_picture(plane: Mapping[str, np.ndarray]) -> Picture | None:
     return Picture("plane", caption, figure)
 
 
-def force_picture(
+def load_picture(
     particles: Mapping[str, Mapping[str, np.ndarray]], reference: Mapping[str, Any]
 ) -> Picture | None:
-    """F(t) on each particle; of the components only those above a hundredth of the largest."""
+    """F(t) on each particle, or its torque T(t) where the force is round-off beside that.
+
+    Of the components only those above a hundredth of the largest are drawn.
+    """
     if not any(len(columns["time"]) > 1 for columns in particles.values()):
         return None
+    largest = {load: max(_last_size(particles, load).values()) for load in LOADS}
+    load = "torque" if largest["force"] < ROUND_OFF * largest["torque"] else "force"
     figure, axes = _new_figure(height=3.3)
-    shown = _components_shown(particles)
+    shown = _components_shown(particles, load)
     many = len(particles) > MOST_NAMED_PARTICLES
     for number, (name, columns) in enumerate(particles.items()):
-        for component in shown:
+        owner = f"each of {len(particles)} particles" if many else name
+        for component, dashes in zip(shown, DASHES, strict=False):
             axes.plot(
                 columns["time"],
-                columns[f"force_{component}"],
-                DASHES[component],
+                columns[f"{load}_{component}"],
+                dashes,
                 color="#9aa5b1" if many else PALETTE[number],
                 linewidth=0.6 if many else 1.5,
-                label=None if many and number else _force_label(name, component, many, particles),
+                label=None if many and number else load_label(owner, load, component),
             )
-    levels = [reference["force"]] if "force" in reference and len(particles) == 1 else []
+    levels = [reference[load]] if load in reference and len(particles) == 1 else []
     _look_past_the_start(axes, levels)
     for level in levels:
-        axes.axhline(level, label=_reference_label(reference), **LEVEL)
+        axes.axhline(level, label=reference_label(reference), **LEVEL)
     axes.set(
-        title="Force on each particle",
+        title=f"{load.capitalize()} on each particle",
         xlabel="t (time)",
-        ylabel="force (mass·length/time²)",
+        ylabel=LOADS[load][1],
     )
     figure.legend(loc="outside lower center", ncols=4)
-    return Picture("force", "Force of the fluid on each particle against time.", figure)
+    return Picture(load, f"{load.capitalize()} of the fluid on each particle against time.", figure)
 
 
 def profile_pictures(
@@ -172,8 +187,8 @@ def profile_pictures(
         figure, axes = _new_figure(height=3.5)
         for number, line in enumerate(members):
             colour = PALETTE[number % len(PALETTE)]
-            dashes = list(DASHES.values())[number % len(DASHES)]
-            axes.plot(*lines[line["name"]], dashes, color=colour, label=_line_label(line))
+            dashes = DASHES[number % len(DASHES)]
+            axes.plot(*lines[line["name"]], dashes, color=colour, label=line_label(line))
             _draw_reference(axes, reference, reference.get("lines", {}).get(line["name"]), colour)
         velocity, direction = f"u{NUMBERS[component]}", SYMBOLS[axis]
         axes.set(
@@ -224,7 +239,7 @@ def convergence_picture(
     if tolerance:
         axes.axhline(tolerance, label="tolerance (stop below)", **LEVEL)
     axes.set(
-        title="Convergence to a steady state",
+        title="Convergence to a steady state" if tolerance else "Rate of change",
         xlabel="t (time)",
         ylabel="max|∂u/∂t| / max|u| (1/time)",
     )
@@ -255,40 +270,20 @@ def _draw_streamlines(axes: Axes, plane: Mapping[str, np.ndarray]) -> None:
     axes.set(xlim=points[0][[0, -1]], ylim=points[1][[0, -1]])
 
 
-def _components_shown(particles: Mapping[str, Mapping[str, np.ndarray]]) -> list[str]:
-    """The components of force that a reader would see, judged at the end of the run."""
-    largest = {
+def _last_size(particles: Mapping[str, Mapping[str, np.ndarray]], load: str) -> dict[str, float]:
+    """The largest |component| over the particles at the end of the run, by axis."""
+    return {
         axis: max(
-            abs(np.nan_to_num(columns[f"force_{axis}"][-1])) for columns in particles.values()
+            abs(np.nan_to_num(columns[f"{load}_{axis}"][-1])) for columns in particles.values()
         )
         for axis in NUMBERS
     }
-    return [axis for axis in NUMBERS if largest[axis] >= 0.01 * max(largest.values())]
 
 
-def _force_label(name: str, component: str, many: bool, particles: Mapping[str, Any]) -> str:
-    owner = f"each of {len(particles)} particles" if many else name
-    return f"F{NUMBERS[component]}, {_literal(owner)}"
-
-
-def _line_label(line: Mapping[str, Any]) -> str:
-    others = [axis for axis in SYMBOLS if axis != line["axis"]]
-    where = ", ".join(map(_position, others, line["through"]))
-    return f"{_literal(line['name'])} ({where})"
-
-
-def _literal(name: str) -> str:
-    """A user's name as it stands: matplotlib would read what is between dollar signs as maths."""
-    return name.replace("$", r"\$")
-
-
-def _position(axis: str, value: float) -> str:
-    """x₁ = −2, with a real minus sign."""
-    return f"{SYMBOLS[axis]} = {value:g}".replace("-", "−")
-
-
-def _reference_label(reference: Mapping[str, Any]) -> str:
-    return _literal(reference.get("label", "reference"))
+def _components_shown(particles: Mapping[str, Mapping[str, np.ndarray]], load: str) -> list[str]:
+    """The components that a reader would see, judged at the end of the run."""
+    size = _last_size(particles, load)
+    return [axis for axis in NUMBERS if size[axis] >= 0.01 * max(size.values())]
 
 
 def _draw_reference(
@@ -299,7 +294,7 @@ def _draw_reference(
         return
     style = {"marker": "o", "linestyle": "none", "markerfacecolor": "none"}
     axes.plot(curve["coordinate"], curve["value"], color=colour, **style)
-    label = _reference_label(reference)
+    label = reference_label(reference)
     if label not in axes.get_legend_handles_labels()[1]:
         axes.plot([], [], color="black", label=label, **style)
 
@@ -323,6 +318,8 @@ def _look_past_the_start(axes: Axes, keep: list[float]) -> None:
     axes.set_ylim(low - margin, high + margin)
     extreme = everything[np.abs(everything[:, 1]).argmax()]
     note = f"start-up beyond the frame: {extreme[1]:.4g} at t = {extreme[0]:.3g}"
-    corner = {"transform": axes.transAxes, "ha": "right", "va": "top"}
+    # On the side of the peak, for what comes after it lies towards the other.
+    height, side = (0.97, "top") if extreme[1] > high else (0.03, "bottom")
+    corner = {"transform": axes.transAxes, "ha": "right", "va": side}
     behind = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-    axes.text(0.99, 0.97, note, fontsize=8, color="#555555", bbox=behind, zorder=4, **corner)
+    axes.text(0.99, height, note, fontsize=8, color="#555555", bbox=behind, zorder=4, **corner)

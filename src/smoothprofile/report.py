@@ -12,6 +12,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from smoothprofile import cases
+from smoothprofile.grid import AXIS_NAMES
 from smoothprofile.output import RunRecord, read_run
 from smoothprofile.plots import Picture, pictures
 
@@ -72,7 +73,8 @@ def comparison(
     """(quantity, this run, reference, other computations) for what run and reference share.
 
     Of vectors, the component that is largest; of bodies, the first. The centre velocity is
-    |u − V| at its centre, which is zero for a rigid body.
+    |u − V| at its centre, which is zero for a rigid body. The wall stress is the largest shear
+    force on a wall over the wall's area.
     """
     measured = {}
     if bodies := record.summary.get("bodies"):
@@ -82,12 +84,26 @@ def comparison(
         measured["centre_velocity"] = float(np.linalg.norm(slip))
     if mean := record.summary.get("mean_velocity"):
         measured["mean_velocity"] = max(mean, key=abs)
+    if stresses := _wall_stresses(record):
+        measured["wall_stress"] = max(stresses)
     others = other_computations(record, reference)
     return [
         (_words(key), value, reference[key], [values.get(key) for values in others.values()])
         for key, value in measured.items()
         if key in reference
     ]
+
+
+def _wall_stresses(record: RunRecord) -> list[float]:
+    """|shear force|/area of each wall."""
+    stresses = []
+    for side, force in (record.summary.get("wall_force") or {}).items():
+        if side == "total":
+            continue
+        along = [d for d in range(3) if AXIS_NAMES[d] != side[0]]
+        area = np.prod([record.case["domain"]["lengths"][d] for d in along])
+        stresses.append(float(np.linalg.norm([force[d] for d in along]) / area))
+    return stresses
 
 
 def other_computations(
@@ -182,13 +198,14 @@ def _beside(record: RunRecord, reference: Mapping[str, Any]) -> str:
 def _figures(drawn: Sequence[Picture]) -> str:
     if not drawn:
         return ""
-    items = [
-        f'<figure><img alt="{escape(picture.caption)}" src="data:image/png;base64,'
-        f'{base64.b64encode(picture.png).decode("ascii")}">'
-        f"<figcaption>{escape(picture.caption)}</figcaption></figure>"
-        for picture in drawn
-    ]
-    return f'<div class="figures">{"".join(items)}</div>'
+    return f'<div class="figures">{"".join(map(_figure, drawn))}</div>'
+
+
+def _figure(picture: Picture) -> str:
+    shape, caption = "wide" if picture.name == "plane" else "half", escape(picture.caption)
+    source = f"data:image/png;base64,{base64.b64encode(picture.png).decode('ascii')}"
+    image = f'<img alt="{caption}" src="{source}">'
+    return f'<figure class="{shape}">{image}<figcaption>{caption}</figcaption></figure>'
 
 
 def _resolution(record: RunRecord) -> str:

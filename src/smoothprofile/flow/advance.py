@@ -12,7 +12,7 @@ import numpy as np
 from smoothprofile.boundaries import fill_ghosts, velocity_boundary
 from smoothprofile.flow.advection import advect
 from smoothprofile.flow.explicit import ExplicitTerms, accumulate
-from smoothprofile.flow.mean_flow import MeanFlow
+from smoothprofile.flow.mean_flow import Mean, MeanFlow
 from smoothprofile.flow.monitor import Extremes
 from smoothprofile.flow.projection import Projection
 from smoothprofile.flow.state import FlowState, Velocity, zero_velocity
@@ -74,6 +74,7 @@ class Flow:
         self._spare: list[Velocity] = []
         self.extremes = Extremes()
         self._wall_shear: dict[str, np.ndarray] = {}
+        self._nothing = np.broadcast_to(np.zeros((), grid.dtype), grid.padded_shape)
 
     def scheme(self, state: FlowState) -> Scheme:
         """The scheme of the step that `state` takes next."""
@@ -82,7 +83,7 @@ class Flow:
     def step(self, state: FlowState, dt: float) -> None:
         """Advance `state` by dt."""
         step = self.predict(state, dt)
-        self.mean_flow.hold(step.velocity)
+        self.hold_mean(step)
         self.project(state, step)
         self.finish(state, step)
 
@@ -99,6 +100,16 @@ class Flow:
             self._correct_advection(state, step, pressure_weight)
         self._measure_wall_shear(state, step)
         return step
+
+    def hold_mean(self, step: Step, mean: Mean | None = None) -> None:
+        """Add the body force that holds the mean velocity; the walls take their share of it."""
+        self.mean_flow.hold(step.velocity, mean)
+        for axis, response in self.mean_flow.added():
+            alone = tuple(response if c == axis else self._nothing for c in range(3))
+            mu = step.scheme.implicit * self.parameters.viscosity * self.mean_flow.force[axis]
+            still = Walls(self.parameters.walls.kinds)
+            for name, force in shear_forces(self.grid, still, alone, mu, step.time).items():
+                self._wall_shear[name] = self._wall_shear[name] + force
 
     def project(self, state: FlowState, step: Step) -> None:
         """Make the step's velocity divergence-free and add what it took to the pressure."""

@@ -50,6 +50,10 @@ class MeanFlow:
             velocity[d][...] += velocity[d].dtype.type(g) * self._response[d]
             self.force[d] = g
 
+    def added(self) -> list[tuple[int, np.ndarray]]:
+        """The axes that are held, and what a unit force does to their velocity in one step."""
+        return [(d, self._response[d]) for d in self.targets]
+
     def plain_mean(self, field: np.ndarray, axis: int, is_velocity: bool = True) -> float:
         """Volume mean of a field that lies where velocity component `axis` does."""
         return volume_mean(self.grid, field, axis)

@@ -90,10 +90,17 @@ def _layer(grid: Grid, field: np.ndarray, axis: int, side: int) -> np.ndarray:
 
 
 def _areas(grid: Grid, axis: int, component: int) -> np.ndarray:
-    """Wall area that belongs to each point of `component` in the layer next to the wall."""
-    sides = [
-        grid.axes[d].padded_distances[1:-1] if d == component else grid.axes[d].widths
-        for d in range(3)
-        if d != axis
-    ]
+    """Wall area that belongs to each point of `component` in the layer next to the wall.
+
+    A face on another wall carries no unknown, and no viscous term takes shear from it.
+    """
+    sides = []
+    for d in range(3):
+        if d == axis:
+            continue
+        size = grid.axes[d].widths
+        if d == component:
+            size = grid.axes[d].padded_distances[1:-1].copy()
+            size[0] *= grid.axes[d].periodic
+        sides.append(size)
     return np.outer(*sides)

@@ -46,7 +46,7 @@ class Forms:
     """The bodies' parts, and by how much the painted surface of each is moved.
 
     The painted signed distance of a part is d − offset₀ − offset₁(κ₁+κ₂), positive offsets
-    making the body larger.
+    making the body larger. The volume of a body without end is infinite.
     """
 
     part_start: np.ndarray
@@ -56,6 +56,7 @@ class Forms:
     turn: np.ndarray
     offset: np.ndarray
     extents: np.ndarray
+    volume: np.ndarray
 
     @classmethod
     def of(cls, shapes: Sequence[Shape], offsets: Sequence[np.ndarray]) -> "Forms":
@@ -72,4 +73,5 @@ class Forms:
             ),
             offset=np.concatenate([np.zeros((0, 2)), *offsets]).reshape(-1, 2),
             extents=np.array([shape.extents for shape in shapes], dtype=np.float64).reshape(-1, 3),
+            volume=np.array([s.volume if np.isfinite(s.reach) else np.inf for s in shapes]),
         )

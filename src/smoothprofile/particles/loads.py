@@ -1,10 +1,12 @@
 """The momentum impulse of rigid motion, and the force and torque that it amounts to.
 
     f = φ(u_p − u),   u_p = V + Ω×r,   u ← u + f
-    F = (ργ/Δt) ∫ (φ δu_p − f) dV,   T = (ργ/Δt) ∫ r×(φ δu_p − f) dV
+    F = (ργ/Δt) ∫ (φ₀ δu_p − f) dV,   T = (ργ/Δt) ∫ r×(φ₀ δu_p − f) dV
 
-What the fluid gains the body loses. φ δu_p is the inertia of the fluid that the body displaces,
-δu_p = (γu_pⁿ⁺¹ − Σα_q u_pⁿ⁻q)/γ being the scheme's own difference; r is counted from its position.
+What the fluid gains the body loses. φ₀ δu_p is the inertia of the fluid that the body displaces,
+δu_p = δV + δΩ×r + Ω×(Ω×r)Δt/γ with δV = (γVⁿ⁺¹ − Σα_q Vⁿ⁻q)/γ, the scheme's own difference, and
+φ₀ the indicator of the surface where it truly is: its integrals are those of the painted φ times
+the ratios `displaced`. r is counted from the body's position.
 """
 
 import numpy as np
@@ -12,7 +14,7 @@ from numba import njit, prange
 
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState
-from smoothprofile.particles.paint import Painter, coordinate
+from smoothprofile.particles.paint import Painter, coordinate, wrap
 
 
 class Impulse:
@@ -23,34 +25,35 @@ class Impulse:
         self._sizes = [np.stack([a.padded_widths, a.padded_distances]) for a in grid.axes]
         self._values = np.empty(0, grid.dtype)
 
+    def volumes(self, painter: Painter, state: BodyState) -> np.ndarray:
+        """(n,): ∫φ dV of each body as painted, the mean over the three components' points."""
+        zero = np.zeros_like(state.velocity)
+        nothing = (self.grid.zeros(),) * 3
+        _, inertia = self._loads(painter, state, (zero, zero), (zero + 1.0, zero), 0.0, nothing)
+        return inertia[0].mean(axis=1)
+
     def impose(
-        self, painter: Painter, state: BodyState, change: tuple, velocity: tuple, rate: float
+        self,
+        painter: Painter,
+        state: BodyState,
+        change: tuple,
+        displaced: np.ndarray,
+        velocity: tuple,
+        rate: float,
     ) -> None:
         """u ← u + φ(u_p − u); loads into state.force, state.torque. rate = γ/Δt.
 
-        change = (δV, δΩ), each (n,3). Overlapping layers all see the velocity before the impulse.
+        change = (δV, δΩ), each (n,3). displaced (n,): true over painted volume; moments of inertia
+        go as its power 5/3, exactly so for spheres. Overlapping layers all see the velocity before
+        the impulse.
         """
+        motion = (state.velocity, state.angular_velocity)
+        impulse, inertia = self._loads(painter, state, motion, change, 1.0 / rate, velocity)
         w = painter.windows
-        if self._values.size < w.points:
-            self._values = np.empty(w.points, self.grid.dtype)
-        sums = np.zeros((w.task.shape[0], 3))
-        _impulse(
-            self._values,
-            sums,
-            painter.indicator,
-            *painter.table(),
-            *self._sizes,
-            state.position,
-            state.velocity,
-            state.angular_velocity,
-            *change,
-            *velocity,
-        )
         _add(self._values, w.task, w.first, w.count, w.start, w.order, w.group, *velocity)
-        factor = self.density * rate
-        state.force[:], state.torque[:] = _gather(w.task, sums, state.count)
-        state.force *= factor
-        state.torque *= factor
+        factor, ratio = self.density * rate, displaced[:, None]
+        state.force[:] = factor * (ratio * inertia[0] - impulse[0])
+        state.torque[:] = factor * (ratio ** (5 / 3) * inertia[1] - impulse[1])
 
     def solid_mean(
         self, painter: Painter, state: BodyState, field: np.ndarray, component: int, moving: bool
@@ -59,17 +62,38 @@ class Impulse:
 
         With moving = False, u_p counts as zero.
         """
-        velocity = [field] * 3
         zero = np.zeros_like(state.velocity)
         motion = (state.velocity, state.angular_velocity) if moving else (zero, zero)
-        sums = np.zeros((painter.windows.task.shape[0], 3))
-        values = np.empty(painter.windows.points, self.grid.dtype)
+        impulse, _ = self._loads(painter, state, motion, (zero, zero), 0.0, (field,) * 3)
+        return float(impulse[0][:, component].sum()) / self.grid.volume
+
+    def _loads(
+        self,
+        painter: Painter,
+        state: BodyState,
+        motion: tuple,
+        change: tuple,
+        duration: float,
+        velocity: tuple,
+    ) -> tuple[tuple, tuple]:
+        """(∫f dV, ∫r×f dV) and the same of φδu_p, (n,3) each; f is left in the scratch values."""
+        w = painter.windows
+        if self._values.size < w.points:
+            self._values = np.empty(w.points, self.grid.dtype)
+        sums = np.zeros((w.task.shape[0], 2, 3))
         _impulse(
-            values, sums, painter.indicator, *painter.table(), *self._sizes,
-            state.position, *motion, zero, zero, *velocity,
-        )  # fmt: skip
-        force, _ = _gather(painter.windows.task, sums, state.count)
-        return -float(force[:, component].sum()) / self.grid.volume
+            self._values,
+            sums,
+            painter.indicator,
+            *painter.table(),
+            *self._sizes,
+            state.position,
+            *motion,
+            *change,
+            duration,
+            *velocity,
+        )
+        return tuple(_gather(w.task, sums[:, m], state.count) for m in range(2))
 
 
 def _gather(task: np.ndarray, sums: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -86,7 +110,7 @@ def _gather(task: np.ndarray, sums: np.ndarray, count: int) -> tuple[np.ndarray,
 @njit(parallel=True, cache=True)
 def _impulse(
     values, sums, phi, task, first, count, image, start, px, py, pz, lengths, sx, sy, sz,
-    position, velocity, spin, change, spin_change, u, v, w,
+    position, velocity, spin, change, spin_change, duration, u, v, w,
 ):  # fmt: skip
     cells = (px.shape[1] - 2, py.shape[1] - 2, pz.shape[1] - 2)
     for t in prange(task.shape[0]):
@@ -95,34 +119,39 @@ def _impulse(
         i0, j0, k0 = first[b, c]
         ny, nz = count[b, c, 1], count[b, c, 2]
         x = coordinate(px, c == 0, i0 + i, image[b, c, 0], lengths[0]) - position[b, 0]
-        gi = i0 + i - cells[0] if i0 + i > cells[0] else i0 + i
-        total, first_moment, second_moment = 0.0, 0.0, 0.0
+        gi = wrap(i0 + i, cells[0])
+        c1, c2 = (c + 1) % 3, (c + 2) % 3
+        spin0, spin1, spin2 = spin[b, c], spin[b, c1], spin[b, c2]
+        f0, f1, f2 = 0.0, 0.0, 0.0
+        a0, a1, a2 = 0.0, 0.0, 0.0
         for j in range(ny):
             y = coordinate(py, c == 1, j0 + j, image[b, c, 1], lengths[1]) - position[b, 1]
-            gj = j0 + j - cells[1] if j0 + j > cells[1] else j0 + j
+            gj = wrap(j0 + j, cells[1])
             area = sx[int(c == 0), gi] * sy[int(c == 1), gj]
             at = start[b, c] + (i * ny + j) * nz
             for k in range(nz):
                 z = coordinate(pz, c == 2, k0 + k, image[b, c, 2], lengths[2]) - position[b, 2]
-                gk = k0 + k - cells[2] if k0 + k > cells[2] else k0 + k
+                gk = wrap(k0 + k, cells[2])
                 # (Ω×r)_c = Ω_{c+1} r_{c+2} − Ω_{c+2} r_{c+1}
                 if c == 0:
-                    r1, r2 = y, z
+                    r0, r1, r2 = x, y, z
                 elif c == 1:
-                    r1, r2 = z, x
+                    r0, r1, r2 = y, z, x
                 else:
-                    r1, r2 = x, y
-                c1, c2 = (c + 1) % 3, (c + 2) % 3
-                target = velocity[b, c] + spin[b, c1] * r2 - spin[b, c2] * r1
+                    r0, r1, r2 = z, x, y
+                target = velocity[b, c] + spin1 * r2 - spin2 * r1
+                inward = spin0 * (spin1 * r1 + spin2 * r2) - (spin1**2 + spin2**2) * r0
                 inertia = change[b, c] + spin_change[b, c1] * r2 - spin_change[b, c2] * r1
+                inertia += inward * duration
                 p = phi[at + k]
                 f = p * (target - field[gi, gj, gk])
                 values[at + k] = f
-                load = (p * inertia - f) * area * sz[int(c == 2), gk]
-                total += load
-                first_moment += load * r1
-                second_moment += load * r2
-        sums[t, 0], sums[t, 1], sums[t, 2] = total, first_moment, second_moment
+                volume = area * sz[int(c == 2), gk]
+                load, rest = f * volume, p * inertia * volume
+                f0, f1, f2 = f0 + load, f1 + load * r1, f2 + load * r2
+                a0, a1, a2 = a0 + rest, a1 + rest * r1, a2 + rest * r2
+        sums[t, 0, 0], sums[t, 0, 1], sums[t, 0, 2] = f0, f1, f2
+        sums[t, 1, 0], sums[t, 1, 1], sums[t, 1, 2] = a0, a1, a2
 
 
 @njit(parallel=True, cache=True)
@@ -134,10 +163,10 @@ def _add(values, task, first, count, start, order, group, u, v, w):
             n0, n1, n2 = field.shape[0] - 2, field.shape[1] - 2, field.shape[2] - 2
             i0, j0, k0 = first[b, c]
             ny, nz = count[b, c, 1], count[b, c, 2]
-            gi = i0 + i - n0 if i0 + i > n0 else i0 + i
+            gi = wrap(i0 + i, n0)
             for j in range(ny):
-                gj = j0 + j - n1 if j0 + j > n1 else j0 + j
+                gj = wrap(j0 + j, n1)
                 at = start[b, c] + (i * ny + j) * nz
                 for k in range(nz):
-                    gk = k0 + k - n2 if k0 + k > n2 else k0 + k
+                    gk = wrap(k0 + k, n2)
                     field[gi, gj, gk] += values[at + k]

@@ -6,6 +6,7 @@ The cost is proportional to the painted volume.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numba import njit, prange
@@ -35,6 +36,11 @@ class Painter:
         self.windows: Windows | None = None
         self.indicator = np.empty(0, grid.dtype)
         self._painted_at: tuple[np.ndarray, np.ndarray] | None = None
+
+    def without_offsets(self) -> "Painter":
+        """One that paints the surfaces where they truly are."""
+        forms = replace(self.forms, offset=np.zeros_like(self.forms.offset))
+        return Painter(self.grid, self._boundaries, forms, self.profile, self.thickness)
 
     def paint(self, state: BodyState) -> None:
         """Bring windows and φ to where the bodies are; nothing to do for bodies that stayed."""
@@ -99,7 +105,7 @@ class Painter:
                 (w.first[b, component, d] - 1 + np.arange(shape[d])) % self.grid.shape[d] + 1
                 for d in range(3)
             ]
-            field[np.ix_(*places)] += block
+            np.add.at(field, np.ix_(*places), block)
         return field
 
     def centred(self) -> np.ndarray:
@@ -156,12 +162,20 @@ def _paint(
 
 @njit(inline="always")
 def coordinate(points, on_face, index, image, length):
-    """Coordinate of padded index `index`, which may run one period past the end of the axis."""
+    """Coordinate of padded index `index`, which may run on through the periods of the axis."""
     n = points.shape[1] - 2
-    row = 1 if on_face else 0
-    if index > n:
-        return points[row, index - n] + (image + 1) * length
-    return points[row, index] + image * length
+    while index > n:
+        index -= n
+        image += 1
+    return points[1 if on_face else 0, index] + image * length
+
+
+@njit(inline="always")
+def wrap(index, n):
+    """The padded index within the box."""
+    while index > n:
+        index -= n
+    return index
 
 
 @njit

@@ -74,10 +74,11 @@ def _ranges(grid, boundary, d, points, centre, half):
         within = np.clip(coordinate - periods * axis.length, inside[0], None)
         return np.searchsorted(inside, within, side="right") + (n * periods).astype(np.int64)
 
-    reach = np.minimum(half, 0.5 * axis.length)
+    # What has no end along the axis is painted once; a body longer than a period meets its images.
+    endless = np.isinf(half)
+    reach = np.where(endless, 0.5 * axis.length, half)
     low, high = index(centre - reach) + 1, index(centre + reach) + 1
-    whole = half >= 0.5 * axis.length
-    count = np.where(whole, n, np.minimum(high - low, n))
+    count = np.where(endless, n, high - low)
     wrapped = (low - 1) % n + 1
     return wrapped, count, (low - wrapped) // n
 
