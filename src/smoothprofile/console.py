@@ -130,8 +130,6 @@ class Watcher:
         self._patience.daemon = True
 
     def __enter__(self) -> "Watcher":
-        if self._live:
-            self._bar.start()
         if not self._quiet:
             self._patience.start()
         return self
@@ -146,6 +144,7 @@ class Watcher:
         end = simulation.case.time.end
         shape = "×".join(str(n) for n in simulation.grid.shape)
         if self._live:
+            self._bar.start()
             if id(simulation) not in self._tasks:
                 task = self._bar.add_task(shape, total=end, time=0.0)
                 self._tasks[id(simulation)] = task

@@ -25,6 +25,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -213,10 +214,17 @@ class RunRecord:
 
 
 def read_run(path: Path | str) -> RunRecord:
-    """Everything in a run directory. CaseError if the directory is not one."""
+    """Everything in a run directory. CaseError if the directory is not one, or is damaged."""
     path = Path(path)
     if not (path / "case.toml").is_file():
         raise CaseError(f"{path} is not a run directory: it holds no case.toml.")
+    try:
+        return _record(path)
+    except (ValueError, BadZipFile) as error:
+        raise CaseError(f"a file in {path} is damaged: {error}.") from error
+
+
+def _record(path: Path) -> RunRecord:
     case_toml = (path / "case.toml").read_text(encoding="utf-8")
     sampled = grouped_by(read_table(path / "lines.csv"), "quantity")
     velocity = grouped_by(sampled.get("velocity", []), "name")

@@ -32,4 +32,3 @@ def set_thread_count(count: int) -> None:
             f"threads is {count}; it must be between 1 and {available_threads()} on this machine."
         )
     numba.set_num_threads(count)
-
