@@ -247,9 +247,6 @@ def test_momentum_with_the_mean_held(scheme):
         assert gain[0] == pytest.approx(given[0], abs=1e-11)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="wall faces, which are not solved for, take part in the shear on walls"
-)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_momentum_in_a_closed_box(scheme):
     """Along all three axes, walls being normal to each; without advection to round-off."""

@@ -166,13 +166,16 @@ def run(
                 if running is simulation:
                     directory.record(running)
 
+            broken_off = None
             try:
                 with directory:
                     simulation.run(observe)
                     summary = directory.finish(simulation)
             except (BlowUpError, KeyboardInterrupt) as error:
-                leave(error, json, path, write_report(path))
+                broken_off = error
         page = write_report(path)
+        if broken_off is not None:
+            leave(broken_off, json, path, page)
         if json:
             print_json({**summary, "directory": str(path), "report": str(page)})
             return

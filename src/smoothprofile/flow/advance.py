@@ -17,7 +17,7 @@ from smoothprofile.flow.monitor import Extremes
 from smoothprofile.flow.projection import Projection
 from smoothprofile.flow.state import FlowState, Velocity, zero_velocity
 from smoothprofile.flow.viscosity import Viscosity
-from smoothprofile.flow.walls import Walls, pressure_forces, shear_forces
+from smoothprofile.flow.walls import Walls, pressure_forces, viscous_forces
 from smoothprofile.grid import Grid
 from smoothprofile.schemes import SCHEMES, Scheme
 
@@ -73,7 +73,7 @@ class Flow:
         self.mean_flow = MeanFlow(grid, parameters.mean_velocity, self._viscosity)
         self._spare: list[Velocity] = []
         self.extremes = Extremes()
-        self._wall_shear: dict[str, np.ndarray] = {}
+        self._wall_viscous: dict[str, np.ndarray] = {}
         self._nothing = np.broadcast_to(np.zeros((), grid.dtype), grid.padded_shape)
 
     def scheme(self, state: FlowState) -> Scheme:
@@ -98,7 +98,7 @@ class Flow:
         self._solve(state, step, pressure_weight)
         if scheme.corrected and self.parameters.advection:
             self._correct_advection(state, step, pressure_weight)
-        self._measure_wall_shear(state, step)
+        self._measure_walls(state, step)
         return step
 
     def hold_mean(self, step: Step, mean: Mean | None = None) -> None:
@@ -108,8 +108,8 @@ class Flow:
             alone = tuple(response if c == axis else self._nothing for c in range(3))
             mu = step.scheme.implicit * self.parameters.viscosity * self.mean_flow.force[axis]
             still = Walls(self.parameters.walls.kinds)
-            for name, force in shear_forces(self.grid, still, alone, mu, step.time).items():
-                self._wall_shear[name] = self._wall_shear[name] + force
+            for name, force in viscous_forces(self.grid, still, alone, mu, step.time).items():
+                self._wall_viscous[name] = self._wall_viscous[name] + force
 
     def project(self, state: FlowState, step: Step) -> None:
         """Make the step's velocity divergence-free and add what it took to the pressure."""
@@ -141,7 +141,7 @@ class Flow:
         """Force on each wall over the last step: its shear and the pressure now."""
         density = self.parameters.density
         pressures = pressure_forces(self.grid, state.pressure, density)
-        return {name: self._wall_shear.get(name, 0.0) + f for name, f in pressures.items()}
+        return {name: self._wall_viscous.get(name, 0.0) + f for name, f in pressures.items()}
 
     def _solve(
         self,
@@ -197,11 +197,11 @@ class Flow:
     def _take_spare(self) -> Velocity:
         return self._spare.pop() if self._spare else zero_velocity(self.grid)
 
-    def _measure_wall_shear(self, state: FlowState, step: Step) -> None:
+    def _measure_walls(self, state: FlowState, step: Step) -> None:
         walls, mu = self.parameters.walls, self.parameters.viscosity
         theta = step.scheme.implicit
-        new = shear_forces(self.grid, walls, step.velocity, theta * mu, step.time)
+        new = viscous_forces(self.grid, walls, step.velocity, theta * mu, step.time)
         if theta < 1.0:
-            old = shear_forces(self.grid, walls, state.velocity, (1 - theta) * mu, state.time)
+            old = viscous_forces(self.grid, walls, state.velocity, (1 - theta) * mu, state.time)
             new = {name: new[name] + old[name] for name in new}
-        self._wall_shear = new
+        self._wall_viscous = new

@@ -46,23 +46,30 @@ def wall_name(axis: int, side: int) -> str:
     return f"{AXIS_NAMES[axis]}_{SIDES[side]}"
 
 
-def shear_forces(
+def viscous_forces(
     grid: Grid, walls: Walls, velocity: tuple, viscosity: float, time: float
 ) -> dict[str, np.ndarray]:
-    """Tangential force of the fluid on each wall, (3,) each, from the dynamic viscosity.
+    """Viscous force of the fluid on each wall, (3,) each, from the dynamic viscosity.
 
-    The slope is the one that the discrete viscous term sees at the wall, so that the budget of
-    momentum closes to round-off when `velocity` is the one the viscous term acted on.
+    The slopes are those that the discrete viscous term sees: of a tangential velocity between the
+    nearest layer and the wall, of the normal one across the nearest cell, where it goes to zero as
+    the cells shrink. So the budget of momentum closes to round-off when `velocity` is the one the
+    viscous term acted on.
     """
     forces = {}
     for axis, side in _walled_sides(grid):
         force = np.zeros(3)
-        speed = walls.velocity_at(axis, side, time)
+        speed, width = walls.velocity_at(axis, side, time), grid.axes[axis].widths[-side]
         for c in range(3):
-            if c != axis and walls.kinds[axis][side] == "wall":
-                layer = _layer(grid, velocity[c], axis, side)
-                slope = (layer - speed[c]) * (2 / grid.axes[axis].widths[-side])
-                force[c] = viscosity * (slope * _areas(grid, axis, c)).sum()
+            if c == axis:
+                # The first unknown normal velocity lies one cell in, on either side.
+                inward = np.moveaxis(velocity[c], axis, 0)[2 if side == 0 else -2, 1:-1, 1:-1]
+                slope = inward / width if grid.shape[axis] > 1 else 0.0 * inward
+            elif walls.kinds[axis][side] == "wall":
+                slope = (_layer(grid, velocity[c], axis, side) - speed[c]) * (2 / width)
+            else:
+                continue
+            force[c] = viscosity * (slope * _areas(grid, axis, c)).sum()
         forces[wall_name(axis, side)] = force
     return forces
 
