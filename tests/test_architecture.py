@@ -123,9 +123,7 @@ def test_a_new_file_must_be_given_its_floor(tmp_path):
 
 
 def test_flow_works_where_there_are_no_particles(tmp_path):
-    package = copy_of_the_house(tmp_path, ("particles", "electric", "coupling.py"))
-    # The doorway offers particles too; the rooms behind it do not need it.
-    (package / "__init__.py").write_text("", encoding="utf-8")
+    copy_of_the_house(tmp_path, ("particles", "electric", "coupling.py"))
     found = subprocess.run(
         [sys.executable, "-c", FLOW_ALONE],
         cwd=tmp_path,

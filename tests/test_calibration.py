@@ -201,9 +201,9 @@ def test_a_radius_takes_little_time():
     ("arguments", "message"),
     [
         ((1.0, 0.9, 0.5), "thickness"),
-        ((1.0, 0.8, 0.2), "cannot be painted"),
-        ((1.0, 0.3, 0.005), "cannot be painted"),
-        ((1.0, 0.3, 100.0), "cannot be painted"),
+        ((1.0, 0.8, 0.2), "no painted radius"),
+        ((1.0, 0.3, 0.005), "no painted radius"),
+        ((1.0, 0.3, 100.0), "no painted radius"),
         ((-1.0, 0.3, 0.2), "radius is -1"),
         ((1.0, math.nan, 0.2), "thickness is nan"),
         ((1.0, 0.3, 0.2, "cosine"), "profile.kind"),

@@ -1,4 +1,4 @@
-"""Long physics, run by hand with `pytest -m slow -s`: whole tables, printed as they are measured."""
+"""Long physics, run by hand with `pytest -m slow -s`: whole tables, printed as measured."""
 
 import numpy as np
 import pytest
@@ -51,8 +51,8 @@ def test_oscillating_plane():
         shifted = stokes_layer(k, 0.05, cells_per_layer=8, retract=True)
         print(f"{k:6.4f}{100 * amplitude:18.4f}{phase:20.5f}"
               f"{100 * shifted[0]:20.4f}{shifted[1]:14.5f}")  # fmt: skip
-        # What is left of the start after half a period: 1e-5 or so.
-        assert found[k] == pytest.approx(stokes_layer_theory(k, 0.05, 8), abs=5e-5)
+        # What is left of the start after half a period: 3e-5 at k = .87, more away from it.
+        assert found[k] == pytest.approx(stokes_layer_theory(k, 0.05, 8), abs=2e-4)
         # Moved for the step, only the phase is left, ωξ²/ν = .0025 of it.
         assert abs(shifted[0]) < 5e-4
         assert abs(shifted[1]) < 0.005
@@ -68,28 +68,22 @@ def test_oscillating_plane():
         ("tanh", 0.3, 1.5, 1e-4),
         ("tanh", 0.3, 1.0, 1e-3),
         # A compact layer is ξ wide in all, and asks for three cells.
-        ("sine", 0.6, 3.0, 0.01),
-        ("quartic", 0.6, 3.0, 0.01),
-        ("quartic-centred", 0.6, 3.0, 0.01),
+        ("sine", 0.6, 3.0, 2e-3),
+        ("quartic", 0.6, 3.0, 2e-3),
+        ("quartic-centred", 0.6, 3.0, 2e-3),
         ("sine", 0.3, 1.5, 0.05),
         ("quartic", 0.3, 1.5, 0.05),
     ],
 )
 def test_translating_sphere(kind, thickness, per_layer, most):
-    case = Sphere(
-        round(6.4 / (thickness / per_layer)),
-        thickness,
-        per_layer,
-        kind=kind,
-        k=0.5 * best_ratio(kind) if kind != "tanh" else None,
-        advection=False,
-    )
-    for direction in ((1.0, 0.0, 0.0), (1.0, 1.0, 1.0), (1.0, 0.5, 0.25)):
+    """Peak to peak of the force over two cells of travel, at Re = 1 by the diameter."""
+    case = Sphere(round(5.6 / (thickness / per_layer)), thickness, per_layer, kind=kind)
+    per_cell = round(2 * case.width / case.dt)
+    for direction in ((1.0, 0.0, 0.0), (1.0, 1.0, 1.0)):
         direction = np.array(direction)
-        speed = case.width / 8 / case.dt
-        found, force = wiggle(case.translate(speed * direction), direction, 8, cells=4)
-        drag = -force / (6 * np.pi * speed)
-        print(f"\n{kind:16} ξ={thickness} ξ/Δx={per_layer} {direction}: {found:.1e}, K={drag:.4f}")
+        run = case.translate(case.width / per_cell / case.dt * direction)
+        found, _ = wiggle(run, direction, per_cell, settle=4.0)
+        print(f"\n{kind:16} ξ = {thickness}, ξ/Δx = {per_layer}, along {direction}: {found:.1e}")
         assert found < most
 
 

@@ -1,14 +1,34 @@
-"""Particles in incompressible flow by the smoothed profile method."""
+"""Particles in incompressible flow by the smoothed profile method.
 
-# First of all: it tells the thread pools how to wait, which they read once when they load.
-from smoothprofile import threads  # isort: skip
-from smoothprofile import calibration, shapes
-from smoothprofile.config import Case, load_case
-from smoothprofile.errors import BlowUpError, CaseError
-from smoothprofile.signals import Signal
-from smoothprofile.simulation import Simulation
+What the package offers is imported at first use, so that a part of it works without the others.
+"""
+
+import os
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+# Thread pools read once, when they load, how to wait: see threads.py.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+os.environ.setdefault("GOMP_SPINCOUNT", "0")
+
+if TYPE_CHECKING:
+    from smoothprofile import calibration, shapes, threads
+    from smoothprofile.config import Case, load_case
+    from smoothprofile.errors import BlowUpError, CaseError
+    from smoothprofile.signals import Signal
+    from smoothprofile.simulation import Simulation
 
 __version__ = "0.1.0"
+
+_HOMES = {
+    "BlowUpError": "errors",
+    "Case": "config",
+    "CaseError": "errors",
+    "Signal": "signals",
+    "Simulation": "simulation",
+    "load_case": "config",
+}
+_MODULES = ("calibration", "shapes", "threads")
 
 __all__ = [
     "BlowUpError",
@@ -22,3 +42,15 @@ __all__ = [
     "shapes",
     "threads",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return import_module(f"smoothprofile.{name}")
+    if name in _HOMES:
+        return getattr(import_module(f"smoothprofile.{_HOMES[name]}"), name)
+    raise AttributeError(f"module 'smoothprofile' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -199,9 +199,10 @@ def _painted_radius(
         above = min(above + thickness, highest)
     if not excess(below) <= 0.0 <= excess(above):
         raise CaseError(
-            f"A {shape} whose interface is {thickness:.3g} radii thick cannot be painted for "
-            f"√(νΔt) = {viscous_length:.3g} radii; choose time.step nearer to "
-            f"√(νΔt)/ξ = {_best_ratio(profile, scheme):.3f}, or a thinner interface."
+            f"profile.thickness is {thickness:.3g} of a {shape}'s radius, and no painted radius "
+            f"gives it its own drag at √(νΔt) = {viscous_length:.3g} radii; take a thinner "
+            f"interface, a step nearer to √(νΔt)/ξ = {_best_ratio(profile, scheme):.3f}, or "
+            f'profile.retract = "planar".'
         )
     return brentq(excess, below, above, xtol=1e-9)
 

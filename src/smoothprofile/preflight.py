@@ -24,6 +24,7 @@ FEW_LAYERS = 3.0
 FAR_FROM_BEST = 0.1
 # Measured on one core of a 2024 server, in double precision; a step's cost is linear in cells.
 SECONDS_PER_CELL = 6e-8
+SECONDS_PER_STEP = 2e-3
 # State, provisional velocity, advection, δp, and the copies that output makes.
 FIELDS_PER_CELL = 19
 FIELDS_PER_LEVEL = 6
@@ -32,6 +33,7 @@ FIELDS_PER_LEVEL = 6
 def checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     """Every check of a case on its grid with the step that it will take."""
     found = [_advective_limit(case, pairing)]
+    refuse(found)
     if case.particles:
         found += _layer(case, grid, pairing)
         found += _surfaces(case, pairing)
@@ -62,6 +64,10 @@ def _advective_limit(case: Case, pairing: Pairing) -> Check:
     speed = ", ".join(f"{s:.3g}" for s in pairing.speed)
     note = f"largest stable Δt of {case.time.scheme} with speeds up to ({speed})"
     verdict = "ok"
+    driven = zip(case.fluid.body_force, pairing.speed, strict=True)
+    if any(force and not speed for force, speed in driven):
+        verdict = "warn"
+        note += "; what the body force will drive between no walls is not known beforehand"
     if pairing.step > pairing.limit:
         verdict = "refuse"
         note = (
@@ -188,13 +194,20 @@ def _disk(case: Case, grid: Grid) -> Check:
     every = case.output.fields_every
     snapshots = 1 + (math.floor(case.time.end / every) if every else 0)
     size = snapshots * 4 * grid.cell_count * sum(columns[name] for name in case.output.fields)
-    return _check("disk (GiB)", size / 2**30, None, "ok", f"{snapshots} snapshots, uncompressed")
+    return _check(
+        "disk (GiB)", size / 2**30, None, "ok", f"{_count(snapshots, 'snapshot')}, uncompressed"
+    )
 
 
 def _duration(case: Case, grid: Grid, pairing: Pairing) -> Check:
     steps = math.ceil(case.time.end / pairing.step - 1e-9)
     if case.time.max_steps:
         steps = min(steps, case.time.max_steps)
-    seconds = steps * SECONDS_PER_CELL * grid.cell_count / thread_count() ** 0.75
-    note = f"{steps} steps at most, a rough estimate for {thread_count()} threads"
+    cells = SECONDS_PER_CELL * grid.cell_count / thread_count() ** 0.75
+    seconds = steps * (SECONDS_PER_STEP + cells)
+    note = f"{steps} steps at most, a rough estimate for {_count(thread_count(), 'thread')}"
     return _check("time (s)", seconds, None, "ok", note)
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

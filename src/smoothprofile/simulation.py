@@ -24,6 +24,7 @@ from smoothprofile.grid import AXIS_NAMES, interior
 from smoothprofile.pairing import expected_speed, pair
 from smoothprofile.particles.motion import Course
 from smoothprofile.preflight import Check, check_memory, checks, refuse
+from smoothprofile.tables import result_table
 from smoothprofile.threads import thread_count
 
 Observer = Callable[["Simulation"], None]
@@ -48,6 +49,7 @@ class Simulation:
         self._couple = coupling_named(case.time.coupling)
         self.status = "running"
         self.wall_seconds = 0.0
+        self._first_seconds = 0.0
         self.history: dict[str, list] = {}
         self.preliminary: list[dict[str, Any]] = []
 
@@ -93,7 +95,9 @@ class Simulation:
         self.status = self._decide()
         if self.steps % self.case.output.every == 0 or self.status != "running":
             self._record()
-        self.wall_seconds += clock.perf_counter() - began
+        took = clock.perf_counter() - began
+        self.wall_seconds += took
+        self._first_seconds = self._first_seconds or took
 
     def continue_from(self, other: "Simulation") -> None:
         """Start from the fields of another run over the same box, at this run's own time 0."""
@@ -158,6 +162,13 @@ class Simulation:
         }
         for name, value in row.items():
             self.history.setdefault(name, []).append(value)
+
+    @property
+    def seconds_per_step(self) -> float:
+        """Mean over all steps but the first, which may have to compile."""
+        if self.steps < 2:
+            return self.wall_seconds
+        return (self.wall_seconds - self._first_seconds) / (self.steps - 1)
 
     @property
     def velocity(self) -> np.ndarray:
@@ -258,7 +269,7 @@ class Simulation:
             "time": self.time,
             "time_step": self.time_step,
             "wall_seconds": self.wall_seconds + earlier,
-            "seconds_per_step": self.wall_seconds / max(self.steps, 1),
+            "seconds_per_step": self.seconds_per_step,
             "cells": self.grid.cell_count,
             "threads": thread_count(),
             "bodies": [
@@ -279,36 +290,4 @@ class Simulation:
 
     def table(self) -> list[tuple[str, str, str]]:
         """The result as rows quantity, value, note, for people."""
-        summary, pairing = self.summary(), self.pairing
-        rows = [
-            ("status", self.status, f"{self.steps} steps to t = {self.time:.6g}"),
-            ("time step", f"{self.time_step:.6g}", f"stable up to {pairing.limit:.4g}"),
-        ]
-        if pairing.ratio is not None:
-            note = f"best {pairing.best_ratio:.4f}; a flat wall retreats {pairing.shift:.4f} ξ"
-            rows.append(("√(νΔt)/ξ", f"{pairing.ratio:.4f}", note))
-        for body in self.particles:
-            name, inside = body["name"], body["interior_velocity"] - body["velocity"]
-            rows += [
-                (f"force on {name}", _vector(body["force"]), ""),
-                (f"torque on {name}", _vector(body["torque"]), "about its position"),
-                (
-                    f"slip inside {name}",
-                    f"{np.linalg.norm(inside):.3g}",
-                    "at its centre; 0 is exact",
-                ),
-                (f"surface of {name}", f"{body['painted_offset']:+.5f}", "painted outward by"),
-            ]
-        rows.append(("force on the walls", _vector(summary["wall_force"]["total"]), ""))
-        if self.flow.mean_flow.targets:
-            rows.append(("driving force", _vector(self.driving_force), "per unit volume"))
-        rows += [
-            ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
-            ("rate of change", f"{summary['change_rate']:.2g}", "max|∂u/∂t|/max|u|"),
-            ("wall-clock", f"{summary['wall_seconds']:.3g} s", f"{summary['threads']} threads"),
-        ]
-        return rows
-
-
-def _vector(values: np.ndarray) -> str:
-    return "(" + ", ".join(f"{0.0 if abs(v) < 5e-13 else v:.6g}" for v in values) + ")"
+        return result_table(self)

@@ -1,0 +1,57 @@
+"""The result of a run as a table for people."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from smoothprofile.simulation import Simulation
+
+
+def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
+    """The result as rows quantity, value, note, for people."""
+    summary, pairing = run.summary(), run.pairing
+    rows = [
+        ("status", run.status, f"{run.steps} steps to t = {run.time:.6g}"),
+        ("time step", f"{run.time_step:.6g}", _limit(pairing.limit)),
+    ]
+    if pairing.ratio is not None:
+        shift = _round(pairing.shift, 4)
+        note = f"best {pairing.best_ratio:.4f}; a flat wall retreats {shift:.4f} ξ"
+        rows.append(("√(νΔt)/ξ", f"{pairing.ratio:.4f}", note))
+    for body in run.particles:
+        name, inside = body["name"], body["interior_velocity"] - body["velocity"]
+        rows += [
+            (f"force on {name}", _vector(body["force"]), ""),
+            (f"torque on {name}", _vector(body["torque"]), "about its position"),
+            (f"surface of {name}", f"{body['painted_offset']:+.5f}", "painted outward by"),
+        ]
+        if body["shape"] != "plane":
+            slip = f"{np.linalg.norm(inside):.3g}"
+            rows.append((f"slip inside {name}", slip, "at its centre; 0 is exact"))
+    rows.append(("force on the walls", _vector(summary["wall_force"]["total"]), ""))
+    if run.flow.mean_flow.targets:
+        rows.append(("driving force", _vector(run.driving_force), "per unit volume"))
+    rows += [
+        ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
+        ("rate of change", f"{summary['change_rate']:.2g}", "max|∂u/∂t|/max|u|"),
+        ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
+    ]
+    return rows
+
+
+def _vector(values: np.ndarray) -> str:
+    return "(" + ", ".join(f"{0.0 if abs(v) < 5e-13 else v:.6g}" for v in values) + ")"
+
+
+def _limit(step: float) -> str:
+    return f"stable up to {step:.4g}" if np.isfinite(step) else "no limit from advection"
+
+
+def _threads(count: int) -> str:
+    return "1 thread" if count == 1 else f"{count} threads"
+
+
+def _round(value: float, digits: int) -> float:
+    """Rounded, and never minus zero."""
+    return round(value, digits) + 0.0
