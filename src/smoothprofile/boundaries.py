@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 from smoothprofile.grid import Grid
 
@@ -102,11 +102,14 @@ def _fill_ends(f, codes, values):
                 f[n + 1, j, k] = _ghost(codes[1], f[n, j, k], values[1])
 
 
-@njit(parallel=True, cache=True)
+@njit(cache=True)
 def _fill_planes(f, codes, values):
-    """Ghost rows and columns of every plane; then those of the edges are right too."""
+    """Ghost rows and columns of every plane; then those of the edges are right too.
+
+    On one thread: it touches so little that waking others takes longer.
+    """
     ny, nz = f.shape[1] - 2, f.shape[2] - 2
-    for i in prange(1, f.shape[0] - 1):
+    for i in range(1, f.shape[0] - 1):
         g = f[i]
         for j in range(1, ny + 1):
             if codes[2, 0] == PERIODIC:
