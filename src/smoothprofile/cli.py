@@ -23,7 +23,7 @@ from smoothprofile.console import (
 from smoothprofile.errors import BlowUpError
 
 # Waking a second thread costs more than it saves on fewer cells than this.
-CELLS_PER_THREAD = 32768
+CELLS_PER_THREAD = 65536
 
 app = typer.Typer(
     help="Particles in incompressible flow by the smoothed profile method.",
