@@ -396,3 +396,22 @@ def test_a_part_far_from_its_body_is_painted_whole():
     run = simulation(body, thickness=0.1, cells=[24, 24, 24])
     painted = interior(run.bodies.painter.dense(1))
     assert np.abs(painted - exact_indicator(run, 1)).max() < 1e-6
+
+
+@pytest.mark.xfail(strict=True, reason="all moments of inertia are scaled as a sphere's own are")
+def test_inertia_of_a_part_off_its_position_acts_at_the_part():
+    """Fluid and body speed up alike along a line: T = c×F, wherever the surface is painted."""
+    place = np.array([0.7, 0.2, 0.0])
+    part = {"shape": "sphere", "radius": 0.6, "position": place.tolist()}
+    body = {"shape": "union", "parts": [part], "position": [2.0, 2.0, 2.0]}
+    body["velocity"] = {"amplitude": [0.2, -0.3, 0.5], "angular_frequency": 3.0}
+    run = simulation(body, thickness=0.1, viscosity=1.5, cells=[40] * 3)
+    for n in range(2):
+        run.bodies.move(0.02 * n, 0.0, 1)
+    run.bodies.paint()
+    fields = tuple(run.grid.zeros() + speed for speed in run.bodies.state.velocity[0])
+    run.bodies.impose(fields, SCHEMES["backward-euler"], 0.02)
+    force, torque = run.bodies.state.force[0], run.bodies.state.torque[0]
+    expected = np.cross(place, force)
+    # The same sum weighted by r: to the 1e-4 to which forty cells find the centre of a sphere.
+    assert torque == pytest.approx(expected, abs=1e-3 * np.abs(expected).max())

@@ -135,12 +135,10 @@ def _surfaces(case: Case, pairing: Pairing) -> list[Check]:
     rows = [
         _check(
             "interface shift s₀",
-            pairing.shift,
+            round(pairing.shift, 12) + 0.0,
             0.0,
             "ok",
-            f"a flat wall acts {abs(pairing.shift * xi):.4g} "
-            + ("inside" if pairing.shift > 0 else "outside")
-            + " the painted surface",
+            _where_it_acts(pairing.shift * xi),
         )
     ]
     seen = set()
@@ -156,6 +154,13 @@ def _surfaces(case: Case, pairing: Pairing) -> list[Check]:
         note = "painted surface moved outward by this much, so that it acts where it is"
         rows.append(_check(f"surface of {particle.name}", moved, xi, "ok", note))
     return rows
+
+
+def _where_it_acts(distance: float) -> str:
+    if abs(distance) < 1e-9:
+        return "a flat wall acts where it is painted"
+    side = "inside" if distance > 0 else "outside"
+    return f"a flat wall acts {abs(distance):.4g} {side} the painted surface"
 
 
 def _memory(case: Case, grid: Grid) -> Check:
