@@ -208,11 +208,6 @@ def test_threads_and_repetition_change_no_bit(name, precision):
     assert digest(steps(run, 1)) != found[0]
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="transforms take lines eight at once and the rest singly, to other bits, and where the "
-    "rest falls depends on the number of threads",
-)
 @pytest.mark.parametrize("boundaries", [["periodic", "wall", "wall"], ["periodic"] * 3])
 def test_threads_change_no_bit_of_odd_numbers_of_lines(boundaries):
     found = []

@@ -9,6 +9,7 @@ dense. All are real and work in place. This is the only file that calls an FFT l
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import ducc0
 import numpy as np
@@ -109,36 +110,70 @@ def fourier_round_trip(shape: tuple[int, int, int], dtype: type) -> Callable[[],
     return round_trip
 
 
+# ducc0 transforms as many lines at once as a vector register of this size has numbers, and what is
+# left over singly, to other last bits.
+VECTOR_BYTES = 64
+
+
+def lines_at_once(dtype: type) -> int:
+    """How many lines of that number type are transformed together."""
+    return VECTOR_BYTES // np.dtype(dtype).itemsize
+
+
+def _by_whole_lines(view: np.ndarray, axis: int, call: Callable[[np.ndarray, int], None]) -> None:
+    """call(part, threads) on parts of a view such that no bit depends on the number of threads.
+
+    Each thread gets a multiple of `lines_at_once` planes, so that the lines that are left over are
+    the same for any number of threads: those of the last planes, on one thread.
+    """
+    across = 1 if axis == 0 else 0
+    planes, first, threads = view.shape[across], 0, thread_count()
+    together = lines_at_once(view.dtype)
+    while first < planes:
+        left = planes - first
+        share = min(threads, left // together)
+        size = left - left % (together * share) if share else left
+        part = [slice(None)] * 3
+        part[across] = slice(first, first + size)
+        call(view[tuple(part)], max(share, 1))
+        first += size
+
+
 def _fourier(eigenvalues: np.ndarray, n: int) -> Basis:
-    def forward(view: np.ndarray, axis: int) -> None:
-        ducc0.fft.r2r_fftpack(
-            view, axes=(axis,), real2hermitian=True, forward=True, out=view, nthreads=thread_count()
-        )
+    def transform(view: np.ndarray, axis: int, forward: bool) -> None:
+        def call(part: np.ndarray, threads: int) -> None:
+            ducc0.fft.r2r_fftpack(
+                part,
+                axes=(axis,),
+                real2hermitian=forward,
+                forward=forward,
+                out=part,
+                nthreads=threads,
+            )
 
-    def backward(view: np.ndarray, axis: int) -> None:
-        ducc0.fft.r2r_fftpack(
-            view,
-            axes=(axis,),
-            real2hermitian=False,
-            forward=False,
-            out=view,
-            nthreads=thread_count(),
-        )
+        _by_whole_lines(view, axis, call)
 
-    return Basis(eigenvalues, forward, backward, float(n))
+    return Basis(
+        eigenvalues, partial(transform, forward=True), partial(transform, forward=False), float(n)
+    )
 
 
 def _trigonometric(kind: str, forward_type: int, eigenvalues: np.ndarray, n: int) -> Basis:
-    transform = getattr(ducc0.fft, kind)
+    function = getattr(ducc0.fft, kind)
     backward_type = {1: 1, 2: 3, 4: 4}[forward_type]
 
-    def forward(view: np.ndarray, axis: int) -> None:
-        transform(view, forward_type, axes=(axis,), out=view, nthreads=thread_count())
+    def transform(view: np.ndarray, axis: int, number: int) -> None:
+        def call(part: np.ndarray, threads: int) -> None:
+            function(part, number, axes=(axis,), out=part, nthreads=threads)
 
-    def backward(view: np.ndarray, axis: int) -> None:
-        transform(view, backward_type, axes=(axis,), out=view, nthreads=thread_count())
+        _by_whole_lines(view, axis, call)
 
-    return Basis(eigenvalues, forward, backward, 2.0 * n)
+    return Basis(
+        eigenvalues,
+        partial(transform, number=forward_type),
+        partial(transform, number=backward_type),
+        2.0 * n,
+    )
 
 
 def _dense(difference: SecondDifference, dtype: type) -> Basis:

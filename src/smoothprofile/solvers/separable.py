@@ -7,13 +7,15 @@ problem is tridiagonal for each (x,z) mode, and one elimination sweep costs a fr
 transforms, for uniform and stretched spacing alike.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from numba import njit, prange
 
 from smoothprofile.boundaries import FieldBoundary
 from smoothprofile.grid import Grid
 from smoothprofile.threads import thread_count
-from smoothprofile.transforms import basis_for, second_difference
+from smoothprofile.transforms import basis_for, lines_at_once, second_difference
 
 SWEPT = 1
 CACHE_BYTES = 1024 * 1024
@@ -41,9 +43,14 @@ class SeparableSolver:
             alike = np.diff(self.eigenvalues[0]) == 0
             groups = np.flatnonzero(np.concatenate([[True], ~alike, [True]]))
             plane = self.shape[1] * self.shape[2] * np.dtype(grid.dtype).itemsize
-            size = max(1, CACHE_BYTES // (2 * plane))
+            # Whole multiples of what a transform takes at once, so that blocks change no bit.
+            together = lines_at_once(grid.dtype)
+            size = together * max(1, CACHE_BYTES // (plane * together))
+            edges = [*range(0, self.shape[0], size), self.shape[0]]
             self.whole = [groups]
-            self.blocks = [groups[a : a + size + 1] for a in range(0, groups.size - 1, size)]
+            self.blocks = [
+                np.union1d(groups[(groups > a) & (groups < b)], (a, b)) for a, b in pairwise(edges)
+            ]
             self.ends_free = boundary.conditions[SWEPT] == ("flux", "flux")
 
     def solve(self, field: np.ndarray, shift: float, factor: float = 1.0) -> None:
