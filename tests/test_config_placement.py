@@ -8,6 +8,7 @@ import pytest
 from case_makers import refusal, small_case, sphere
 from smoothprofile import rotations
 from smoothprofile.config import build_shape, load_case
+from smoothprofile.errors import CaseError
 
 # Each reaches 1 along x; two of them touch when their positions along it are 2 apart.
 SOLIDS = [
@@ -130,3 +131,18 @@ def test_bodies_point_where_the_case_says(body, inside, outside):
     own = rotations.rotate(rotations.conjugate(particle.quaternion), [inside, outside])
     depths = build_shape(particle).distance(own)
     assert depths[0] < 0 < depths[1]
+
+
+def test_a_coarse_start_is_refused_for_bodies_that_travel():
+    case = {
+        "domain": {"lengths": [8.0] * 3, "cells": [16] * 3, "boundaries": ["periodic"] * 3},
+        "fluid": {"density": 1.0, "viscosity": 1.0},
+        "profile": {"thickness": 0.5},
+        "particles": [
+            {"shape": "sphere", "radius": 1.0, "position": [4.0] * 3, "velocity": [1.0, 0.0, 0.0]}
+        ],
+        "time": {"end": 1.0},
+        "start": [{"cells": [8] * 3}],
+    }
+    with pytest.raises(CaseError, match=r"particles\.0\.velocity .*start"):
+        load_case(case)

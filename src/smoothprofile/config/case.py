@@ -147,8 +147,17 @@ class Case(Table):
         self._check_names()
         self._check_thickness()
         self._check_start_cells()
+        self._check_start()
         check_placement(self.particles, self.domain)
         return self
+
+    def _check_start(self) -> None:
+        """Refusal of a coarse start for bodies that travel: it would leave them elsewhere."""
+        for number, particle in enumerate(self.particles if self.start else ()):
+            if particle.shape != "plane" and particle.velocity.maximum.any():
+                allowed = "a case with [[start]] may not have bodies that travel"
+                key = f"particles.{number}.velocity"
+                raise Refusal(key, particle.velocity.constant, allowed)
 
     def _check_start_cells(self) -> None:
         for axis, stretching in enumerate(self.domain.stretching):
