@@ -22,7 +22,7 @@ def full_case():
     ball = {"shape": "sphere", "radius": 0.5, "position": [0, 0, 0.5]}
     rod = {"shape": "capsule", "radius": 0.4, "length": 1, "position": [0, 0, 0], "axis": [1, 1, 0]}
     moving = {"shape": "union", "parts": [ball, rod], "position": [0, 0, 0], "name": 'dumb "bell"'}
-    moving["velocity"] = {"amplitude": [1, 0, 0], "angular_frequency": 2, "phase": 0.1}
+    moving["angular_velocity"] = {"amplitude": [1, 0, 0], "angular_frequency": 2, "phase": 0.1}
     case = small_case(held, moving)
     case["title"] = 'Tab\t, quote ", back\\slash, delete \x7f, Greek ξ and 𝜉'
     case["reference"] = "duct"

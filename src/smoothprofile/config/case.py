@@ -7,7 +7,7 @@ from pydantic import Field, PlainValidator, field_validator, model_validator
 from smoothprofile.config.domain import Domain, Faces
 from smoothprofile.config.fluid import Fluid
 from smoothprofile.config.output import Output
-from smoothprofile.config.particle import Particle
+from smoothprofile.config.particle import Particle, shown_signal
 from smoothprofile.config.placement import check_placement
 from smoothprofile.config.refusals import MISSING, Refusal
 from smoothprofile.config.tomltext import document
@@ -157,7 +157,7 @@ class Case(Table):
             if particle.shape != "plane" and particle.velocity.maximum.any():
                 allowed = "a case with [[start]] may not have bodies that travel"
                 key = f"particles.{number}.velocity"
-                raise Refusal(key, particle.velocity.constant, allowed)
+                raise Refusal(key, shown_signal(particle.velocity), allowed)
 
     def _check_start_cells(self) -> None:
         for axis, stretching in enumerate(self.domain.stretching):
