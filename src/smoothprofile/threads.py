@@ -1,14 +1,9 @@
 """One place owns the number of threads of both pools: numba's kernels and ducc0's transforms.
 
 Numba's OpenMP workers spin after each kernel and starve the transforms that follow, so they are
-told to sleep instead. OpenMP reads that wish once, when its library loads: this module must be
-imported before the first parallel kernel is compiled, which the package's `__init__` sees to.
+told to sleep instead. OpenMP reads that wish once, when its library loads, so that the package's
+`__init__`, which always runs first, is where it is said.
 """
-
-import os
-
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
-os.environ.setdefault("GOMP_SPINCOUNT", "0")
 
 import numba
 

@@ -32,9 +32,6 @@ class PrescribedMotion:
         self._velocity, self._spin = _Signals(velocity), _Signals(angular_velocity)
         self._courses = dict(courses or {})
         self._origin = state.position - self._velocity.integral(time)
-        self.still = self._velocity.zero & self._spin.zero
-        for b in self._courses:
-            self.still[b] = False
         self.place(state, time, time)
 
     def place(self, state: BodyState, time: float, since: float) -> None:
@@ -58,11 +55,6 @@ class _Signals:
         self._amplitude = np.array([s.amplitude for s in signals], dtype=np.float64).reshape(-1, 3)
         self._omega = np.array([s.angular_frequency for s in signals], dtype=np.float64)
         self._phase = np.array([s.phase for s in signals], dtype=np.float64)
-
-    @property
-    def zero(self) -> np.ndarray:
-        """(n,) which of them never differ from zero."""
-        return ~(self._constant.any(axis=1) | self._amplitude.any(axis=1))
 
     def at(self, time: float) -> np.ndarray:
         wave = np.cos(self._omega * time + self._phase)
