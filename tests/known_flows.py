@@ -107,7 +107,7 @@ def stokes_layer_theory(k, thickness, cells_per_layer=4, kind="tanh"):
     """The same errors of Crank–Nicolson from its equations in the frequency domain.
 
         (zS − U)/Δt = ½ν(zS + U)″,   U = S + φ(1 − S),   z = e^{iωΔt}
-        F/Δt⁻¹ = ∫[φ(1 − 1/z) − φ(1 − S)]dy     of the body, at e^{iωt} of the end of the step
+        F/Δt⁻¹ = h(1 − 1/z) − ∫φ(1 − S)dy   of a body h thick, at the end of the step
 
     uˢ = Re S zⁿ⁺¹, uⁿ = Re U zⁿ, on the cells of `stokes_layer`: one banded solve.
     """
@@ -132,7 +132,7 @@ def stokes_layer_theory(k, thickness, cells_per_layer=4, kind="tanh"):
     right[:-1] += c * source[1:]
     right[-1] += 2 * c * far * (z + 1)
     s = scipy.linalg.solve_banded((1, 1), matrix, right)
-    force = (phi * (1 - 1 / z) - phi * (1 - s)).sum() * h / dt
+    force = (SOLID * (1 - 1 / z) - (phi * (1 - s)).sum() * h) / dt
     ratio = force / (-1j * np.exp(-0.25j * np.pi))
     return abs(ratio) - 1.0, float(np.angle(ratio))
 

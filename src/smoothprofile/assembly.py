@@ -93,4 +93,4 @@ def build_particles(
     painter = Painter(
         flow.grid, flow.boundaries, Forms.of(shapes, offsets), profile_named(kind), thickness
     )
-    return Particles(state, motion, painter, Impulse(flow.grid, case.fluid.density))
+    return Particles(state, motion, painter, Impulse(flow.grid), case.fluid.density)

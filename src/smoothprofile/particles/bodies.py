@@ -46,7 +46,8 @@ class Forms:
     """The bodies' parts, and by how much the painted surface of each is moved.
 
     The painted signed distance of a part is d − offset₀ − offset₁(κ₁+κ₂), positive offsets
-    making the body larger. The volume of a body without end is infinite.
+    making the body larger. volume (n,), centroid (n,3) and inertia (n,3,3) are those of the true
+    bodies; the volume of one without end is infinite.
     """
 
     part_start: np.ndarray
@@ -57,6 +58,8 @@ class Forms:
     offset: np.ndarray
     extents: np.ndarray
     volume: np.ndarray
+    centroid: np.ndarray
+    inertia: np.ndarray
 
     @classmethod
     def of(cls, shapes: Sequence[Shape], offsets: Sequence[np.ndarray]) -> "Forms":
@@ -74,4 +77,6 @@ class Forms:
             offset=np.concatenate([np.zeros((0, 2)), *offsets]).reshape(-1, 2),
             extents=np.array([shape.extents for shape in shapes], dtype=np.float64).reshape(-1, 3),
             volume=np.array([s.volume if np.isfinite(s.reach) else np.inf for s in shapes]),
+            centroid=np.array([shape.centroid for shape in shapes]).reshape(-1, 3),
+            inertia=np.array([shape.inertia for shape in shapes]).reshape(-1, 3, 3),
         )

@@ -1,12 +1,10 @@
 """The momentum impulse of rigid motion, and the force and torque that it amounts to.
 
     f = φ(u_p − u),   u_p = V + Ω×r,   u ← u + f
-    F = (ργ/Δt) ∫ (φ₀ δu_p − f) dV,   T = (ργ/Δt) ∫ r×(φ₀ δu_p − f) dV
+    F = F_displaced − (ργ/Δt) ∫ f dV,   T = T_displaced − (ργ/Δt) ∫ r×f dV
 
-What the fluid gains the body loses. φ₀ δu_p is the inertia of the fluid that the body displaces,
-δu_p = δV + δΩ×r + Ω×(Ω×r)Δt/γ with δV = (γVⁿ⁺¹ − Σα_q Vⁿ⁻q)/γ, the scheme's own difference, and
-φ₀ the indicator of the surface where it truly is: its integrals are those of the painted φ times
-the ratios `displaced`. r is counted from the body's position.
+What the fluid gains the body loses; the fluid inside, which the body displaces, needs a force of
+its own to speed up (`inertia.py`). r is counted from the body's position.
 """
 
 import numpy as np
@@ -20,40 +18,21 @@ from smoothprofile.particles.paint import Painter, coordinate, wrap
 class Impulse:
     """Imposes rigid motion on a velocity field and measures what that took."""
 
-    def __init__(self, grid: Grid, density: float):
-        self.grid, self.density = grid, density
+    def __init__(self, grid: Grid):
+        self.grid = grid
         self._sizes = [np.stack([a.padded_widths, a.padded_distances]) for a in grid.axes]
         self._values = np.empty(0, grid.dtype)
 
-    def volumes(self, painter: Painter, state: BodyState) -> np.ndarray:
-        """(n,): ∫φ dV of each body as painted, the mean over the three components' points."""
-        zero = np.zeros_like(state.velocity)
-        nothing = (self.grid.zeros(),) * 3
-        _, inertia = self._loads(painter, state, (zero, zero), (zero + 1.0, zero), 0.0, nothing)
-        return inertia[0].mean(axis=1)
+    def impose(self, painter: Painter, state: BodyState, velocity: tuple) -> tuple:
+        """u ← u + φ(u_p − u); returns ∫f dV and ∫r×f dV of each body, (n,3).
 
-    def impose(
-        self,
-        painter: Painter,
-        state: BodyState,
-        change: tuple,
-        displaced: np.ndarray,
-        velocity: tuple,
-        rate: float,
-    ) -> None:
-        """u ← u + φ(u_p − u); loads into state.force, state.torque. rate = γ/Δt.
-
-        change = (δV, δΩ), each (n,3). displaced (n,): true over painted volume; moments of inertia
-        go as its power 5/3, exactly so for spheres. Overlapping layers all see the velocity before
-        the impulse.
+        Overlapping layers all see the velocity before the impulse.
         """
         motion = (state.velocity, state.angular_velocity)
-        impulse, inertia = self._loads(painter, state, motion, change, 1.0 / rate, velocity)
+        gained = self._integrals(painter, state, motion, velocity)
         w = painter.windows
         _add(self._values, w.task, w.first, w.count, w.start, w.order, w.group, *velocity)
-        factor, ratio = self.density * rate, displaced[:, None]
-        state.force[:] = factor * (ratio * inertia[0] - impulse[0])
-        state.torque[:] = factor * (ratio ** (5 / 3) * inertia[1] - impulse[1])
+        return gained
 
     def solid_mean(
         self, painter: Painter, state: BodyState, field: np.ndarray, component: int, moving: bool
@@ -64,23 +43,17 @@ class Impulse:
         """
         zero = np.zeros_like(state.velocity)
         motion = (state.velocity, state.angular_velocity) if moving else (zero, zero)
-        impulse, _ = self._loads(painter, state, motion, (zero, zero), 0.0, (field,) * 3)
-        return float(impulse[0][:, component].sum()) / self.grid.volume
+        gained, _ = self._integrals(painter, state, motion, (field,) * 3)
+        return float(gained[:, component].sum()) / self.grid.volume
 
-    def _loads(
-        self,
-        painter: Painter,
-        state: BodyState,
-        motion: tuple,
-        change: tuple,
-        duration: float,
-        velocity: tuple,
-    ) -> tuple[tuple, tuple]:
-        """(∫f dV, ∫r×f dV) and the same of φδu_p, (n,3) each; f is left in the scratch values."""
+    def _integrals(
+        self, painter: Painter, state: BodyState, motion: tuple, velocity: tuple
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """∫f dV and ∫r×f dV, (n,3) each; f itself is left in the scratch values."""
         w = painter.windows
         if self._values.size < w.points:
             self._values = np.empty(w.points, self.grid.dtype)
-        sums = np.zeros((w.task.shape[0], 2, 3))
+        sums = np.zeros((w.task.shape[0], 3))
         _impulse(
             self._values,
             sums,
@@ -89,11 +62,9 @@ class Impulse:
             *self._sizes,
             state.position,
             *motion,
-            *change,
-            duration,
             *velocity,
         )
-        return tuple(_gather(w.task, sums[:, m], state.count) for m in range(2))
+        return _gather(w.task, sums, state.count)
 
 
 def _gather(task: np.ndarray, sums: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -110,7 +81,7 @@ def _gather(task: np.ndarray, sums: np.ndarray, count: int) -> tuple[np.ndarray,
 @njit(parallel=True, cache=True)
 def _impulse(
     values, sums, phi, task, first, count, image, start, px, py, pz, lengths, sx, sy, sz,
-    position, velocity, spin, change, spin_change, duration, u, v, w,
+    position, velocity, spin, u, v, w,
 ):  # fmt: skip
     cells = (px.shape[1] - 2, py.shape[1] - 2, pz.shape[1] - 2)
     for t in prange(task.shape[0]):
@@ -121,9 +92,8 @@ def _impulse(
         x = coordinate(px, c == 0, i0 + i, image[b, c, 0], lengths[0]) - position[b, 0]
         gi = wrap(i0 + i, cells[0])
         c1, c2 = (c + 1) % 3, (c + 2) % 3
-        spin0, spin1, spin2 = spin[b, c], spin[b, c1], spin[b, c2]
+        spin1, spin2 = spin[b, c1], spin[b, c2]
         f0, f1, f2 = 0.0, 0.0, 0.0
-        a0, a1, a2 = 0.0, 0.0, 0.0
         for j in range(ny):
             y = coordinate(py, c == 1, j0 + j, image[b, c, 1], lengths[1]) - position[b, 1]
             gj = wrap(j0 + j, cells[1])
@@ -134,24 +104,17 @@ def _impulse(
                 gk = wrap(k0 + k, cells[2])
                 # (Ω×r)_c = Ω_{c+1} r_{c+2} − Ω_{c+2} r_{c+1}
                 if c == 0:
-                    r0, r1, r2 = x, y, z
+                    r1, r2 = y, z
                 elif c == 1:
-                    r0, r1, r2 = y, z, x
+                    r1, r2 = z, x
                 else:
-                    r0, r1, r2 = z, x, y
+                    r1, r2 = x, y
                 target = velocity[b, c] + spin1 * r2 - spin2 * r1
-                inward = spin0 * (spin1 * r1 + spin2 * r2) - (spin1**2 + spin2**2) * r0
-                inertia = change[b, c] + spin_change[b, c1] * r2 - spin_change[b, c2] * r1
-                inertia += inward * duration
-                p = phi[at + k]
-                f = p * (target - field[gi, gj, gk])
+                f = phi[at + k] * (target - field[gi, gj, gk])
                 values[at + k] = f
-                volume = area * sz[int(c == 2), gk]
-                load, rest = f * volume, p * inertia * volume
+                load = f * area * sz[int(c == 2), gk]
                 f0, f1, f2 = f0 + load, f1 + load * r1, f2 + load * r2
-                a0, a1, a2 = a0 + rest, a1 + rest * r1, a2 + rest * r2
-        sums[t, 0, 0], sums[t, 0, 1], sums[t, 0, 2] = f0, f1, f2
-        sums[t, 1, 0], sums[t, 1, 1], sums[t, 1, 2] = a0, a1, a2
+        sums[t, 0], sums[t, 1], sums[t, 2] = f0, f1, f2
 
 
 @njit(parallel=True, cache=True)

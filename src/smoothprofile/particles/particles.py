@@ -3,6 +3,7 @@
 import numpy as np
 
 from smoothprofile.particles.bodies import BodyState
+from smoothprofile.particles.inertia import DisplacedFluid
 from smoothprofile.particles.loads import Impulse
 from smoothprofile.particles.motion import PrescribedMotion
 from smoothprofile.particles.paint import Painter
@@ -13,12 +14,19 @@ class Particles:
     """Bodies, how they move, how they are painted. No bodies at all is a valid instance."""
 
     def __init__(
-        self, state: BodyState, motion: PrescribedMotion, painter: Painter, impulse: Impulse
+        self,
+        state: BodyState,
+        motion: PrescribedMotion,
+        painter: Painter,
+        impulse: Impulse,
+        density: float,
     ):
+        """density: that of the fluid."""
         self.state, self.motion, self.painter, self.impulse = state, motion, painter, impulse
+        self.density = density
         self.past_velocity: list[tuple[np.ndarray, np.ndarray]] = []
         painter.paint(state)
-        self.displaced = self._true_over_painted_volume()
+        self.displaced = DisplacedFluid.of(painter, state)
 
     def move(self, time: float, since: float, levels: int) -> None:
         """To where the bodies are at `time`; `levels` past velocities are kept for the loads."""
@@ -32,31 +40,20 @@ class Particles:
 
     def impose(self, velocity: tuple, scheme: Scheme, dt: float) -> None:
         """u ← u + φ(u_p − u), and the loads on the bodies."""
-        change = self._velocity_change(scheme)
-        self.impulse.impose(
-            self.painter, self.state, change, self.displaced, velocity, scheme.gamma / dt
-        )
+        state, rate = self.state, scheme.gamma / dt
+        inertia = self.displaced.loads(state, *self._accelerations(scheme, rate))
+        gained = self.impulse.impose(self.painter, state, velocity)
+        for load, needed, gain in zip((state.force, state.torque), inertia, gained, strict=True):
+            load[:] = self.density * (needed - rate * gain)
 
     def added_mean(self, field: np.ndarray, component: int, is_velocity: bool) -> float:
         """What `impose` would add to the mean of that velocity component."""
         return self.impulse.solid_mean(self.painter, self.state, field, component, is_velocity)
 
-    def _true_over_painted_volume(self) -> np.ndarray:
-        """(n,) the volume that each body displaces over the one it is painted with.
-
-        Of a body without end both are what lies in the box, the first without offsets.
-        """
-        painted, volume = self.impulse.volumes(self.painter, self.state), self.painter.forms.volume
-        endless = np.isinf(volume)
-        if endless.any():
-            true = self.painter.without_offsets()
-            true.paint(self.state)
-            volume = np.where(endless, self.impulse.volumes(true, self.state), volume)
-        return volume / painted
-
-    def _velocity_change(self, scheme: Scheme) -> tuple[np.ndarray, np.ndarray]:
+    def _accelerations(self, scheme: Scheme, rate: float) -> list[np.ndarray]:
+        """dV/dt and dΩ/dt by the scheme's own difference (γVⁿ⁺¹ − Σα_q Vⁿ⁻q)/Δt."""
         change = [self.state.velocity.copy(), self.state.angular_velocity.copy()]
         for weight, past in zip(scheme.past, self.past_velocity, strict=False):
             for c, old in zip(change, past, strict=True):
                 c -= weight / scheme.gamma * old
-        return change[0], change[1]
+        return [rate * c for c in change]
