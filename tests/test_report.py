@@ -12,10 +12,11 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.image import imread
 
-from smoothprofile import report
+from smoothprofile import report, webpage
 from smoothprofile.errors import BlowUpError, CaseError
+from smoothprofile.figures import PALETTE
 from smoothprofile.output import RunDirectory, read_run
-from smoothprofile.plots import PALETTE, pictures
+from smoothprofile.plots import pictures
 from test_output import CASE, FakeSimulation, write_run
 
 REFERENCE = {
@@ -272,7 +273,7 @@ def test_curve_difference_finds_the_largest_and_skips_what_is_outside():
     ],
 )
 def test_numbers_are_written_for_people(value, text):
-    assert report._number(value) == text
+    assert webpage.number(value) == text
 
 
 def test_a_run_that_broke_off_still_has_a_report(tmp_path):

@@ -4,20 +4,15 @@ Units are the case's own: whatever length, time and mass its numbers were given 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from io import BytesIO
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from scipy.interpolate import RegularGridInterpolator
 
+from smoothprofile.figures import DASHES, LEVEL, PALETTE, Picture, drawing, new_figure, power_of_ten
 from smoothprofile.labels import (
     LOADS,
     NUMBERS,
@@ -29,59 +24,10 @@ from smoothprofile.labels import (
 )
 from smoothprofile.output import RunRecord
 
-DASHES = ("-", "--", ":")
 # A force this small beside the torque, both in the case's own units, is none.
 ROUND_OFF = 1e-9
-LEVEL = {"color": "black", "linestyle": (0, (6, 3)), "linewidth": 1.0}
-
-# Okabe and Ito: told apart with every kind of colour blindness.
-PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-
-STYLE = {
-    "figure.dpi": 150,
-    "savefig.dpi": 150,
-    "savefig.bbox": "tight",
-    "savefig.pad_inches": 0.08,
-    "figure.constrained_layout.w_pad": 0.08,
-    "figure.constrained_layout.h_pad": 0.06,
-    "font.family": "DejaVu Sans",
-    "font.size": 9,
-    "axes.titlesize": 10,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.prop_cycle": matplotlib.cycler(color=PALETTE),
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#dddddd",
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "lines.linewidth": 1.5,
-    "lines.markersize": 5,
-    "legend.frameon": False,
-    "image.cmap": "viridis",
-}
-
-WIDTH = 5.4
 PLANE_WIDTH = 9.0
 MOST_NAMED_PARTICLES = len(PALETTE)
-
-
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """A figure, the name of its file, and the sentence that stands below it."""
-
-    name: str
-    caption: str
-    figure: Figure
-
-    @cached_property
-    def png(self) -> bytes:
-        """The figure as a PNG image of 150 dots to the inch."""
-        buffer = BytesIO()
-        with matplotlib.rc_context(STYLE):
-            self.figure.savefig(buffer, format="png")
-        return buffer.getvalue()
 
 
 def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> list[Picture]:
@@ -89,7 +35,7 @@ def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> l
     reference = reference or {}
     output = record.case.get("output", {})
     tolerance = record.case.get("time", {}).get("steady_tolerance")
-    with matplotlib.rc_context(STYLE):
+    with drawing():
         drawn = [
             plane_picture(record.plane),
             load_picture(record.particles, reference),
@@ -108,12 +54,11 @@ def plane_picture(plane: Mapping[str, np.ndarray]) -> Picture | None:
     first, second = (str(label) for label in plane["labels"])
     ratio = np.ptp(y) / np.ptp(x)
     width = PLANE_WIDTH if ratio < 0.7 else max(4.5, 6.5 / max(ratio, 1.0))
-    figure, axes = _new_figure(float(np.clip(0.8 * width * ratio, 1.5, 8.0)) + 1.1, width)
+    figure, axes = new_figure(float(np.clip(0.8 * width * ratio, 1.5, 8.0)) + 1.1, width)
     top = float(speed.max()) or 1.0
     filled = axes.contourf(x, y, speed, levels=np.linspace(0.0, top, 25))
     filled.set_edgecolor("face")
-    beside = axes.inset_axes([1.02, 0.0, 0.02, 1.0])
-    bar = figure.colorbar(filled, cax=beside, label="speed |u| (length/time)")
+    bar = figure.colorbar(filled, ax=axes, label="speed |u| (length/time)", pad=0.01, aspect=25)
     bar.locator = MaxNLocator(6, steps=[1, 2, 2.5, 5, 10])
     _draw_streamlines(axes, plane)
     indicator = plane["indicator"].T
@@ -130,8 +75,10 @@ def plane_picture(plane: Mapping[str, np.ndarray]) -> Picture | None:
         xlabel=f"{SYMBOLS[first]} (length)",
         ylabel=f"{SYMBOLS[second]} (length)",
     )
+    # The layout first learns here how high equal units make the axes.
+    figure.draw_without_rendering()
     caption = f"Speed of the fluid in the plane {where} at the end, with streamlines in white."
-    return Picture("plane", caption, figure)
+    return Picture("plane", caption, figure, wide=True)
 
 
 def load_picture(
@@ -145,7 +92,7 @@ def load_picture(
         return None
     largest = {load: max(_last_size(particles, load).values()) for load in LOADS}
     load = "torque" if largest["force"] < ROUND_OFF * largest["torque"] else "force"
-    figure, axes = _new_figure(height=3.3)
+    figure, axes = new_figure(height=3.3)
     shown = _components_shown(particles, load)
     many = len(particles) > MOST_NAMED_PARTICLES
     for number, (name, columns) in enumerate(particles.items()):
@@ -184,7 +131,7 @@ def profile_pictures(
             groups.setdefault((line["axis"], line["component"]), []).append(line)
     drawn = []
     for (axis, component), members in groups.items():
-        figure, axes = _new_figure(height=3.5)
+        figure, axes = new_figure(height=3.5)
         for number, line in enumerate(members):
             colour = PALETTE[number % len(PALETTE)]
             dashes = DASHES[number % len(DASHES)]
@@ -210,7 +157,7 @@ def wall_shear_picture(
     """∂u/∂n on a wall, n the coordinate along the wall's axis, along a line on it."""
     if shear is None:
         return None
-    figure, axes = _new_figure(height=3.3)
+    figure, axes = new_figure(height=3.3)
     axes.plot(*shear, color=PALETTE[0], label="this run")
     _draw_reference(axes, reference, reference.get("wall_line"), PALETTE[0])
     normal = str(setting["wall"])[0]
@@ -234,8 +181,9 @@ def convergence_picture(
     positive = np.isfinite(rate) & (rate > 0)
     if positive.sum() < 2:
         return None
-    figure, axes = _new_figure(height=3.3)
+    figure, axes = new_figure(height=3.3)
     axes.semilogy(history["time"][positive], rate[positive], label="rate of change")
+    axes.yaxis.set_major_formatter(power_of_ten)
     if tolerance:
         axes.axhline(tolerance, label="tolerance (stop below)", **LEVEL)
     axes.set(
@@ -245,12 +193,6 @@ def convergence_picture(
     )
     figure.legend(loc="outside lower center", ncols=2)
     return Picture("convergence", "How fast the velocity still changes.", figure)
-
-
-def _new_figure(height: float, width: float = WIDTH) -> tuple[Figure, Axes]:
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure, figure.add_subplot()
 
 
 def _draw_streamlines(axes: Axes, plane: Mapping[str, np.ndarray]) -> None:

@@ -1,33 +1,20 @@
 """The report of a run: one HTML file that needs nothing else, rebuilt from the run directory."""
 
-import base64
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from smoothprofile import cases
+from smoothprofile import cases, webpage
+from smoothprofile.figures import Picture
 from smoothprofile.grid import AXIS_NAMES
 from smoothprofile.output import RunRecord, read_run
-from smoothprofile.plots import Picture, pictures
+from smoothprofile.plots import pictures
 
 MOST_BODIES = 20
-
-VERDICTS = {
-    "finished": "good",
-    "steady": "good",
-    "ok": "good",
-    "blew_up": "bad",
-    "failed": "bad",
-    "refuse": "bad",
-}
-
-PAGE = Template(files("smoothprofile").joinpath("page.html").read_text(encoding="utf-8"))
 
 
 def write_report(directory: Path | str, out: Path | None = None) -> Path:
@@ -50,21 +37,18 @@ def write_report(directory: Path | str, out: Path | None = None) -> Path:
 def page(record: RunRecord, drawn: Sequence[Picture], reference: Mapping[str, Any]) -> str:
     """The report as HTML text."""
     sections = [
-        _section("Result", _result(record)),
-        _section("Beside the reference", _beside(record, reference)),
-        _section("Figures", _figures(drawn)),
-        _section("Resolution", _resolution(record)),
-        _section("Preliminary runs", _preliminary(record)),
-        _section("Particles", _bodies(record)),
-        _section("Force on the walls", _walls(record)),
-        _details("Case as it was run", f"<pre>{escape(record.case_toml)}</pre>"),
-        _details("Versions and machine", _versions(record)),
+        webpage.section("Result", _result(record)),
+        webpage.section("Beside the reference", _beside(record, reference)),
+        webpage.section("Figures", webpage.figures(drawn)),
+        webpage.section("Resolution", _resolution(record)),
+        webpage.section("Preliminary runs", _preliminary(record)),
+        webpage.section("Particles", _bodies(record)),
+        webpage.section("Force on the walls", _walls(record)),
+        webpage.details("Case as it was run", f"<pre>{escape(record.case_toml)}</pre>"),
+        webpage.details("Versions and machine", _versions(record)),
     ]
-    return PAGE.substitute(
-        title=escape(record.case.get("title", record.path.name)),
-        status=_status(record),
-        sections="\n".join(filter(None, sections)),
-    )
+    title = record.case.get("title", record.path.name)
+    return webpage.page(title, _status(record), sections)
 
 
 def comparison(
@@ -88,7 +72,7 @@ def comparison(
         measured["wall_stress"] = max(stresses)
     others = other_computations(record, reference)
     return [
-        (_words(key), value, reference[key], [values.get(key) for values in others.values()])
+        (webpage.words(key), value, reference[key], [values.get(key) for values in others.values()])
         for key, value in measured.items()
         if key in reference
     ]
@@ -145,22 +129,26 @@ def curve_difference(
 
 def _status(record: RunRecord) -> str:
     status = record.run.get("status", "unknown")
-    badge = f'<span class="badge {VERDICTS.get(status, "warn")}">{escape(_words(status))}</span>'
+    badge = webpage.badge(status, webpage.words(status))
     summary, parts = record.summary, [record.run.get("message")]
     if "steps" in summary:
-        parts.append(f"{_number(summary['steps'])} steps to t = {_number(summary['time'])}")
+        parts.append(
+            f"{webpage.number(summary['steps'])} steps to t = {webpage.number(summary['time'])}"
+        )
     if "wall_seconds" in summary:
-        parts.append(f"{_number(summary['wall_seconds'])} s on {summary.get('threads')} threads")
+        parts.append(
+            f"{webpage.number(summary['wall_seconds'])} s on {summary.get('threads')} threads"
+        )
     if "cells" in summary:
-        parts.append(f"{_number(summary['cells'])} cells")
+        parts.append(f"{webpage.number(summary['cells'])} cells")
     parts.append(record.run.get("started", "").replace("T", " ").replace("+00:00", " UTC"))
     return badge + f'<span class="faint">{escape(" · ".join(filter(None, parts)))}</span>'
 
 
 def _result(record: RunRecord) -> str:
     table = record.summary.get("table", ())
-    rows = [(name, _number(value), note or "") for name, value, note in table]
-    return _table(("quantity", "value", ""), rows, numbers={1})
+    rows = [(name, webpage.number(value), note or "") for name, value, note in table]
+    return webpage.table(("quantity", "value", ""), rows, numbers={1})
 
 
 def _beside(record: RunRecord, reference: Mapping[str, Any]) -> str:
@@ -168,8 +156,8 @@ def _beside(record: RunRecord, reference: Mapping[str, Any]) -> str:
         return ""
     others = other_computations(record, reference)
     rows = [
-        (name, _number(ours), _number(exact), _percent(ours, exact),
-         *(_with_percent(value, exact) for value in values))
+        (name, webpage.number(ours), webpage.number(exact), webpage.percent(ours, exact),
+         *(webpage.with_percent(value, exact) for value in values))
         for name, ours, exact, values in comparison(record, reference)
     ]  # fmt: skip
     heads = ("quantity", "this run", reference.get("label", "reference"), "difference", *others)
@@ -178,7 +166,7 @@ def _beside(record: RunRecord, reference: Mapping[str, Any]) -> str:
     curves.append(("wall shear", record.wall_shear, reference.get("wall_line")))
     found = [(name, curve_difference(curve, exact)) for name, curve, exact in curves if exact]
     lines = [
-        (name, _number(points), _number(largest), f"{100 * share:.2f} %")
+        (name, webpage.number(points), webpage.number(largest), f"{100 * share:.2f} %")
         for name, (points, largest, share) in found
         if points
     ]
@@ -192,115 +180,55 @@ def _beside(record: RunRecord, reference: Mapping[str, Any]) -> str:
     ]
     note = "".join(f'<p class="note">{escape(text)}</p>' for text in notes)
     numbers = set(range(1, len(heads)))
-    return _table(heads, rows, numbers) + _table(line_heads, lines, {1, 2, 3}) + note
-
-
-def _figures(drawn: Sequence[Picture]) -> str:
-    if not drawn:
-        return ""
-    return f'<div class="figures">{"".join(map(_figure, drawn))}</div>'
-
-
-def _figure(picture: Picture) -> str:
-    shape, caption = "wide" if picture.name == "plane" else "half", escape(picture.caption)
-    source = f"data:image/png;base64,{base64.b64encode(picture.png).decode('ascii')}"
-    image = f'<img alt="{caption}" src="{source}">'
-    return f'<figure class="{shape}">{image}<figcaption>{caption}</figcaption></figure>'
+    return webpage.table(heads, rows, numbers) + webpage.table(line_heads, lines, {1, 2, 3}) + note
 
 
 def _resolution(record: RunRecord) -> str:
     checks = [
-        (check["name"], _number(check["value"]), _number(check["limit"]), check["verdict"],
-         check.get("note") or "")
+        (
+            check["name"],
+            *(webpage.number(check[key]) for key in ("value", "limit")),
+            check["verdict"],
+            check.get("note") or "",
+        )
         for check in record.run.get("preflight", ())
-    ]  # fmt: skip
-    return _table(("check", "value", "limit or best", "verdict", ""), checks, numbers={1, 2})
+    ]
+    heads = ("check", "value", "limit or best", "verdict", "")
+    return webpage.table(heads, checks, numbers={1, 2})
 
 
 def _preliminary(record: RunRecord) -> str:
     heads = ("cells", "steps", "time", "status", "wall_seconds")
     rows = [
-        [_number(stage.get(head)) for head in heads] for stage in record.summary.get("start", ())
+        [webpage.number(stage.get(head)) for head in heads]
+        for stage in record.summary.get("start", ())
     ]
-    return _table([_words(head) for head in heads], rows, numbers={1, 2, 4})
+    return webpage.table([webpage.words(head) for head in heads], rows, numbers={1, 2, 4})
 
 
 def _bodies(record: RunRecord) -> str:
     bodies = record.summary.get("bodies", ())
     quantities = ("position", "velocity", "force", "torque", "interior_velocity")
     rows = [
-        (body["name"], *(_number(body.get(quantity)) for quantity in quantities)) for body in bodies
+        (body["name"], *(webpage.number(body.get(quantity)) for quantity in quantities))
+        for body in bodies
     ]
-    table = _table(("name", *map(_words, quantities)), rows[:MOST_BODIES], {1, 2, 3, 4, 5})
+    table = webpage.table(
+        ("name", *map(webpage.words, quantities)), rows[:MOST_BODIES], {1, 2, 3, 4, 5}
+    )
     left = len(rows) - MOST_BODIES
     return table + (f'<p class="note">{left} more in particles.csv.</p>' if left > 0 else "")
 
 
 def _walls(record: RunRecord) -> str:
     forces = record.summary.get("wall_force") or {}
-    rows = [(_words(side), _number(force)) for side, force in forces.items()]
-    return _table(("wall", "force"), rows, numbers={1})
+    rows = [(webpage.words(side), webpage.number(force)) for side, force in forces.items()]
+    return webpage.table(("wall", "force"), rows, numbers={1})
 
 
 def _versions(record: RunRecord) -> str:
     run = record.run
     facts = {**run.get("versions", {}), **run.get("machine", {}), "command": run.get("command")}
-    return _table(("", ""), [(name, str(value)) for name, value in facts.items()], numbers=set())
-
-
-def _section(title: str, content: str) -> str:
-    return f"<section><h2>{escape(title)}</h2>{content}</section>" if content else ""
-
-
-def _details(title: str, content: str) -> str:
-    return f"<details><summary>{escape(title)}</summary>{content}</details>"
-
-
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], numbers: set[int]) -> str:
-    """An HTML table; columns listed in `numbers` stand to the right, verdicts in their colour."""
-    rows = list(rows)
-    if not rows:
-        return ""
-
-    def cell(tag: str, column: int, text: str) -> str:
-        kinds = ["number"] if column in numbers else []
-        if tag == "td" and heads[column] == "verdict":
-            kinds.append(VERDICTS.get(text, "warn"))
-        return f'<{tag} class="{" ".join(kinds)}">{escape(text)}</{tag}>'
-
-    def line(tag: str, texts: Sequence[str]) -> str:
-        return f"<tr>{''.join(cell(tag, n, text) for n, text in enumerate(texts))}</tr>"
-
-    head = f"<thead>{line('th', heads)}</thead>" if any(heads) else ""
-    body = "".join(line("td", row) for row in rows)
-    return f'<div class="scroll"><table>{head}<tbody>{body}</tbody></table></div>'
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
-
-
-def _number(value: Any) -> str:
-    """Five digits, a real minus sign, nothing as a dash; a vector in brackets without round-off."""
-    if value is None:
-        return "–"
-    if isinstance(value, list | tuple):
-        least = max(5e-13, 1e-9 * max(abs(part or 0) for part in value))
-        parts = [0 if part is not None and abs(part) < least else part for part in value]
-        return f"({', '.join(map(_number, parts))})"
-    if isinstance(value, bool | str):
-        return str(value)
-    text = f"{value:,}" if isinstance(value, int) else f"{value:.5g}"
-    return text.replace("-", "−").replace(",", "\u202f")
-
-
-def _percent(value: float | None, exact: float) -> str:
-    """How far value lies from exact, in per cent of exact; a dash where that has no meaning."""
-    if value is None or not exact:
-        return "–"
-    return f"{100 * (value / exact - 1):+.2f} %".replace("-", "−")
-
-
-def _with_percent(value: float | None, exact: float) -> str:
-    share = _percent(value, exact)
-    return _number(value) + ("" if share == "–" else f" ({share})")
+    return webpage.table(
+        ("", ""), [(name, str(value)) for name, value in facts.items()], numbers=set()
+    )

@@ -25,7 +25,7 @@ from smoothprofile.pairing import expected_speed, pair
 from smoothprofile.particles.motion import Course
 from smoothprofile.preflight import Check, check_memory, checks, refuse
 from smoothprofile.tables import result_table
-from smoothprofile.threads import thread_count
+from smoothprofile.threads import ThreadTrial, thread_count
 
 Observer = Callable[["Simulation"], None]
 
@@ -50,6 +50,7 @@ class Simulation:
         self.status = "running"
         self.wall_seconds = 0.0
         self._first_seconds = 0.0
+        self._threads = ThreadTrial()
         self.history: dict[str, list] = {}
         self.preliminary: list[dict[str, Any]] = []
 
@@ -89,6 +90,7 @@ class Simulation:
 
     def step_once(self) -> None:
         """One step, its watch, its row of history, and the decision whether to go on."""
+        self._threads.begin()
         began = clock.perf_counter()
         self._couple(self.flow, self.bodies, self.state, self.time_step)
         watch(self.grid, self.state, self.extremes, self.time_step, self.case.fluid.advection)
@@ -98,6 +100,7 @@ class Simulation:
         took = clock.perf_counter() - began
         self.wall_seconds += took
         self._first_seconds = self._first_seconds or took
+        self._threads.end(took)
 
     def continue_from(self, other: "Simulation") -> None:
         """Start from the fields of another run over the same box, at this run's own time 0."""
