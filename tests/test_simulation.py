@@ -8,6 +8,7 @@ import pytest
 
 import smoothprofile as sp
 from case_makers import small_case, sphere
+from coupled import simulation
 from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.jsontext import to_json
 from smoothprofile.threads import available_threads, set_thread_count
@@ -341,3 +342,14 @@ def test_the_summary_is_plain_and_complete():
 )
 def test_built_in_cases_meet_their_references(finished, name, measure, expected, share):
     assert measure(finished(name)) == pytest.approx(expected, rel=share)
+
+
+def test_a_surface_moved_far_for_its_body_is_a_warning():
+    """A plate of half side .5 whose faces a long step would paint .95 further out."""
+    plate = {"shape": "box", "sides": [2.0, 2.0, 1.0], "position": [4.0, 4.0, 4.0]}
+    verdicts = []
+    for step in (0.03, 1.0):
+        changes = {"thickness": 0.25, "lengths": [8.0] * 3, "cells": [8] * 3, "step": step}
+        checks = simulation(plate, **changes).preflight()
+        verdicts += [check["verdict"] for check in checks if check["name"] == "surface of box"]
+    assert verdicts == ["ok", "warn"]
