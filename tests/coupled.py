@@ -24,7 +24,15 @@ def simulation(*bodies, courses=None, **changes):
     }
     places = {"origin": "domain", "stretching": "domain", "precision": "domain"}
     places |= dict.fromkeys(
-        ("body_force", "mean_velocity", "initial_velocity", "advection", "wall_velocity"), "fluid"
+        (
+            "body_force",
+            "mean_velocity",
+            "initial_velocity",
+            "advection",
+            "wall_velocity",
+            "gravity",
+        ),
+        "fluid",
     )
     places |= dict.fromkeys(("kind", "retract"), "profile")
     places |= dict.fromkeys(("scheme", "coupling", "steady_tolerance", "max_steps"), "time")

@@ -3,13 +3,14 @@
 import numpy as np
 
 from smoothprofile import rotations
-from smoothprofile.config import AXES, Case, Domain, Faces, Focus, build_shape
+from smoothprofile.config import AXES, Case, Domain, Faces, Focus, body_shape, start_position
 from smoothprofile.flow.advance import Flow, FlowParameters
 from smoothprofile.flow.state import FlowState, fluid_at_rest
 from smoothprofile.flow.walls import Walls
 from smoothprofile.grid import Axis, Grid, stretched_axis, uniform_axis
 from smoothprofile.pairing import surface_offsets
 from smoothprofile.particles.bodies import Forms, bodies_at
+from smoothprofile.particles.dynamics import FreeBodies
 from smoothprofile.particles.loads import Impulse
 from smoothprofile.particles.motion import Course, PrescribedMotion
 from smoothprofile.particles.paint import Painter
@@ -70,7 +71,7 @@ def build_particles(
     case: Case, flow: Flow, step: float, courses: dict[int, Course] | None = None
 ) -> Particles:
     """The bodies of a case, painted for that step; courses overrule the motion of some."""
-    shapes = [build_shape(particle) for particle in case.particles]
+    shapes = [body_shape(particle) for particle in case.particles]
     turning = [
         bool(p.angular_velocity.maximum.any()) and not p.velocity.maximum.any()
         for p in case.particles
@@ -80,17 +81,32 @@ def build_particles(
         for shape, spins in zip(shapes, turning, strict=True)
     ]
     state = bodies_at(
-        [p.position for p in case.particles],
+        [start_position(p) for p in case.particles],
         [rotations.normalise(p.quaternion) for p in case.particles],
     )
+    free = free_bodies(case)
     motion = PrescribedMotion(
         state,
         [p.velocity for p in case.particles],
         [p.angular_velocity for p in case.particles],
         courses,
+        free=free.rows,
     )
     kind, thickness = (case.profile.kind, case.profile.thickness) if case.profile else ("tanh", 1.0)
     painter = Painter(
         flow.grid, flow.boundaries, Forms.of(shapes, offsets), profile_named(kind), thickness
     )
-    return Particles(state, motion, painter, Impulse(flow.grid), case.fluid.density)
+    return Particles(state, motion, free, painter, Impulse(flow.grid), case.fluid.density)
+
+
+def free_bodies(case: Case) -> FreeBodies:
+    """Which bodies of a case move freely, and what acts on them."""
+    rows = [b for b, particle in enumerate(case.particles) if particle.motion == "free"]
+    free = [case.particles[b] for b in rows]
+    return FreeBodies(
+        rows=np.array(rows, dtype=np.int64),
+        density=np.array([p.density for p in free], dtype=np.float64),
+        force=np.array([p.force for p in free], dtype=np.float64).reshape(-1, 3),
+        torque=np.array([p.torque for p in free], dtype=np.float64).reshape(-1, 3),
+        gravity=np.array(case.fluid.gravity),
+    )

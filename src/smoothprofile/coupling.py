@@ -1,6 +1,7 @@
 """The smoothed profile method: the only place where flow and particles meet.
 
 predict                (γuˢ − Σα_q uⁿ⁻q)/Δt + N = ν∇²uˢ − ∇pⁿ + g
+settle                 (V, Ω)ⁿ⁺¹ of free bodies, such that they lose what the impulse gives
 impose rigid motion    u** = uˢ + φ(u_p − uˢ)
 project                ∇²δp = (γ/Δt)∇·u**,   uⁿ⁺¹ = u** − (Δt/γ)∇δp,   pⁿ⁺¹ = pⁿ + δp
 """
@@ -22,7 +23,7 @@ def incremental(flow: Flow, particles: Particles, state: FlowState, dt: float) -
     """
     move_and_paint(flow, particles, state, dt)
     step = flow.predict(state, dt)
-    hold_mean(flow, particles, step)
+    settle(flow, particles, step)
     particles.impose(step.velocity, step.scheme, dt)
     flow.project(state, step)
     flow.finish(state, step)
@@ -37,7 +38,7 @@ def thesis(flow: Flow, particles: Particles, state: FlowState, dt: float) -> Non
     step = flow.predict(state, dt, pressure_weight=0.0)
     state.pressure[...] = 0.0
     flow.project(state, step)
-    hold_mean(flow, particles, step)
+    settle(flow, particles, step)
     particles.impose(step.velocity, step.scheme, dt)
     flow.project(state, step)
     flow.finish(state, step)
@@ -59,12 +60,15 @@ def move_and_paint(flow: Flow, particles: Particles, state: FlowState, dt: float
     particles.paint()
 
 
-def hold_mean(flow: Flow, particles: Particles, step: Step) -> None:
-    """Hold the mean velocity that the flow will have once rigid motion is imposed."""
+def settle(flow: Flow, particles: Particles, step: Step) -> None:
+    """Free bodies find their velocities, and the mean is held that the impulse will leave."""
 
     def mean(field, axis, is_velocity):
         return flow.mean_flow.plain_mean(field, axis) + particles.added_mean(
             field, axis, is_velocity
         )
 
+    particles.settle(step.velocity, step.scheme, step.dt)
     flow.hold_mean(step, mean)
+    if flow.mean_flow.targets:
+        particles.settle(step.velocity, step.scheme, step.dt)

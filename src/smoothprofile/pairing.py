@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smoothprofile import calibration
-from smoothprofile.config import Case
+from smoothprofile.config import Case, Particle, build_shape
 from smoothprofile.distances import CAPSULE, CYLINDER, ELLIPSOID, SPHERE
 from smoothprofile.flow.stability import largest_stable_step
 from smoothprofile.grid import Grid
@@ -86,13 +86,28 @@ def expected_speed(case: Case, reaches: list[float]) -> tuple[float, float, floa
     for particle, reach in zip(case.particles, reaches, strict=True):
         spin = float(np.linalg.norm(particle.angular_velocity.maximum))
         tip = spin * reach if math.isfinite(reach) else 0.0
-        speeds.append(particle.velocity.maximum + tip)
+        speeds.append(particle.velocity.maximum + tip + _settling_speed(case, particle))
     gaps = [
         length for length, free in zip(domain.lengths, domain.periodic, strict=True) if not free
     ]
     if gaps:
         speeds.append(np.abs(fluid.body_force) * min(gaps) ** 2 / (8 * fluid.viscosity))
     return tuple(np.max(speeds, axis=0).tolist())
+
+
+def _settling_speed(case: Case, particle: Particle) -> np.ndarray:
+    """(3,) terminal speed of a lone sphere of the body's volume under what pulls it.
+
+    The smaller of Stokes' and Newton's: drag 6πμaU, and .44·½ρU²πa².
+    """
+    if particle.motion != "free":
+        return np.zeros(3)
+    volume, fluid = build_shape(particle).volume, case.fluid
+    a = math.cbrt(0.75 * volume / math.pi)
+    pull = np.array(particle.force)
+    pull = np.abs(pull + (particle.density - fluid.density) * volume * np.array(fluid.gravity))
+    stokes = pull / (6 * math.pi * fluid.viscosity * a)
+    return np.minimum(stokes, np.sqrt(pull / (0.22 * fluid.density * math.pi * a**2)))
 
 
 def surface_offsets(case: Case, shape: Shape, step: float, turning: bool) -> np.ndarray:

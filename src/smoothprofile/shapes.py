@@ -21,65 +21,14 @@ from smoothprofile.distances import (
     ELLIPSOID,
     PLANE,
     SPHERE,
-    fill_union_distance,
 )
 from smoothprofile.distances import curvature as curvature
 from smoothprofile.distances import signed_distance as signed_distance
 from smoothprofile.distances import union_distance as union_distance
 from smoothprofile.errors import CaseError
-
-# What parts share is measured on about 16³ cells, those on its surface halved this many times
-# unless they become too many.
-_OVERLAP_CELLS, _HALVINGS, _MOST_CELLS = 4096, 4, 1_000_000
-# An infinite part tilted from an axis by no more than round-off is taken to be normal to it.
-_ROUND_OFF = 1e-14
-
-
-def _frozen(values: ArrayLike) -> np.ndarray:
-    array = np.array(values, dtype=np.float64)
-    array.flags.writeable = False
-    return array
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """x = X + R(q) x′: a solid of one `kind` (see `distances`), turned and placed in the body.
-
-    `size` (3,) as the kind's kernel reads it, `position` X (3,), `quaternion` q (4,) w first,
-    normalised here; kept as read-only arrays.
-    """
-
-    kind: int
-    size: ArrayLike
-    position: ArrayLike = (0.0, 0.0, 0.0)
-    quaternion: ArrayLike = (1.0, 0.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "size", _frozen(self.size))
-        object.__setattr__(self, "position", _frozen(self.position))
-        object.__setattr__(self, "quaternion", _frozen(rotations.normalise(self.quaternion)))
-
-    @property
-    def bounded(self) -> bool:
-        return self.kind != PLANE and bool(np.all(np.isfinite(self.size)))
-
-    @property
-    def half_extents(self) -> np.ndarray:
-        """hᵢ = max |eᵢ·R x′| over the part: half the box along the body's axes around X, (3,)."""
-        tilt = np.abs(rotations.matrix(self.quaternion))
-        radius, half_length = self.size[0], self.size[1]
-        if self.kind == SPHERE:
-            return np.full(3, radius)
-        if self.kind == ELLIPSOID:
-            return np.sqrt(tilt**2 @ self.size**2)
-        if self.kind == BOX:
-            return tilt @ self.size
-        if self.kind == PLANE:
-            return np.full(3, math.inf)
-        along = np.array([half_length * t if t > _ROUND_OFF else 0.0 for t in tilt[:, 2]])
-        if self.kind == CAPSULE:
-            return along + radius
-        return along + radius * np.hypot(tilt[:, 0], tilt[:, 1])
+from smoothprofile.moments import mass_properties
+from smoothprofile.parts import Part as Part
+from smoothprofile.parts import distance, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +56,7 @@ class Shape:
 
     def distance(self, points: ArrayLike) -> np.ndarray:
         """minᵢ dᵢ at `points` (..., 3) of the body's frame; (...), negative inside."""
-        return _distance(self.parts, np.asarray(points, dtype=np.float64))
+        return distance(self.parts, np.asarray(points, dtype=np.float64))
 
 
 def sphere(radius: float) -> Shape:
@@ -135,7 +84,7 @@ def cylinder(radius: float, length: float | None = None) -> Shape:
         return _assemble("cylinder", (Part(CYLINDER, (a, half, 0.0)),))
     endless = _assemble("cylinder", (Part(CYLINDER, (a, math.inf, 0.0)),))
     inertia = np.diag([math.inf, math.inf, 0.5 * math.pi * a**4])
-    return replace(endless, volume=float(math.pi * a**2), inertia=_frozen(inertia))
+    return replace(endless, volume=float(math.pi * a**2), inertia=frozen(inertia))
 
 
 def capsule(radius: float, length: float) -> Shape:
@@ -187,18 +136,26 @@ def union(members: Sequence[tuple[Shape, ArrayLike, ArrayLike]]) -> Shape:
     return _assemble("union", tuple(parts))
 
 
+def centred(shape: Shape) -> Shape:
+    """The same body with its origin at its centroid."""
+    if not np.any(shape.centroid):
+        return shape
+    parts = (replace(part, position=part.position - shape.centroid) for part in shape.parts)
+    return _assemble(shape.name, tuple(parts))
+
+
 def _assemble(name: str, parts: tuple[Part, ...]) -> Shape:
     reach = max(float(np.linalg.norm(part.position)) + _reach(part) for part in parts)
     extents = np.max([np.abs(part.position) + part.half_extents for part in parts], axis=0)
-    volume, centroid, inertia = _mass_properties(parts)
+    volume, centroid, inertia = mass_properties(parts)
     return Shape(
         name=name,
         parts=parts,
         volume=volume,
-        centroid=_frozen(centroid),
-        inertia=_frozen(inertia),
+        centroid=frozen(centroid),
+        inertia=frozen(inertia),
         reach=min(reach, float(np.linalg.norm(extents))),
-        extents=_frozen(extents),
+        extents=frozen(extents),
         curvature_varies=len(set().union(*(_curvatures(part) for part in parts))) > 1,
     )
 
@@ -223,97 +180,6 @@ def _curvatures(part: Part) -> set[float]:
     if part.kind == CYLINDER:
         return {1.0 / radius} if math.isinf(half_length) else {1.0 / radius, 0.0}
     return {2.0 / radius} if part.kind == SPHERE else {0.0}
-
-
-def _mass_properties(parts: tuple[Part, ...]) -> tuple[float, np.ndarray, np.ndarray]:
-    """V, c = ∫r dV/V and I = tr(M)1 − M, M = ∫rrᵀdV − Vccᵀ, parts not counted twice."""
-    if not all(part.bounded for part in parts):
-        return math.inf, np.zeros(3), np.diag(np.full(3, math.inf))
-    volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
-    for i, part in enumerate(parts):
-        own_volume, own_second = _own_moments(part)
-        turn, at = rotations.matrix(part.quaternion), part.position
-        shared_volume, shared_first, shared_second = _shared_moments(part, parts[:i])
-        volume += own_volume - shared_volume
-        first += own_volume * at - shared_first
-        second += turn @ np.diag(own_second) @ turn.T + own_volume * np.outer(at, at)
-        second -= shared_second
-    centroid = first / volume
-    second -= volume * np.outer(centroid, centroid)
-    return volume, centroid, np.trace(second) * np.eye(3) - second
-
-
-def _own_moments(part: Part) -> tuple[float, np.ndarray]:
-    """V and ∫xᵢ²dV, (3,), of a bounded part about its own centre and axes."""
-    radius, half = float(part.size[0]), float(part.size[1])
-    across, along = np.array([1.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
-    if part.kind == BOX:
-        volume = 8.0 * float(np.prod(part.size))
-        return volume, volume * part.size**2 / 3.0
-    if part.kind in (SPHERE, ELLIPSOID):
-        radii = part.size if part.kind == ELLIPSOID else np.full(3, radius)
-        volume = 4.0 / 3.0 * math.pi * float(np.prod(radii))
-        return volume, volume * radii**2 / 5.0
-    volume = 2.0 * math.pi * radius**2 * half
-    second = volume * (radius**2 / 4.0 * across + half**2 / 3.0 * along)
-    if part.kind == CYLINDER:
-        return volume, second
-    ball = 4.0 / 3.0 * math.pi * radius**3
-    second += ball * (radius**2 / 5.0 + (half**2 + 0.75 * half * radius) * along)
-    return volume + ball, second
-
-
-def _shared_moments(part: Part, earlier: tuple[Part, ...]) -> tuple[float, np.ndarray, np.ndarray]:
-    """∫dV, ∫r dV, ∫rrᵀdV where d = max(d_part, d_earlier) < 0; exactly 0 where nothing is shared.
-
-    As |∇d| ≤ 1, a cell of half diagonal ≤ |d| at its centre is all in or all out; the others are
-    halved, and the smallest count by ½ − d/h between 0 and 1, the share of a cell behind a plane.
-    """
-    volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
-    if not earlier:
-        return volume, first, second
-    low = np.min([other.position - other.half_extents for other in earlier], axis=0)
-    high = np.max([other.position + other.half_extents for other in earlier], axis=0)
-    low = np.maximum(low, part.position - part.half_extents)
-    sides = np.minimum(high, part.position + part.half_extents) - low
-    if np.any(sides <= 0.0):
-        return volume, first, second
-    counts = np.ceil(sides / np.cbrt(np.prod(sides) / _OVERLAP_CELLS)).clip(4, 64).astype(int)
-    h = sides / counts
-    points = low + h * (np.indices(counts).reshape(3, -1).T + 0.5)
-    for halving in range(_HALVINGS + 1):
-        d = np.maximum(_distance((part,), points), _distance(earlier, points))
-        cut = np.abs(d) < 0.5 * np.linalg.norm(h)
-        weights = np.where(cut, 0.0, d < 0.0)
-        last = halving == _HALVINGS or 8 * np.count_nonzero(cut) > _MOST_CELLS
-        if last:
-            # Parts that only touch are not to share a volume by the round-off of d.
-            shared = volume > 0.0 or np.min(d, initial=0.0) < -1e-6 * np.min(h)
-            weights = np.clip(0.5 - d / np.min(h), 0.0, 1.0) * shared
-        weights = weights * np.prod(h)
-        volume += float(np.sum(weights))
-        first += weights @ points
-        second += (points.T * weights) @ points + np.diag(np.sum(weights) * h**2 / 12.0)
-        if last:
-            break
-        h = 0.5 * h
-        eighths = h * (np.indices((2, 2, 2)).reshape(3, -1).T - 0.5)
-        points = (points[cut, None, :] + eighths).reshape(-1, 3)
-    return volume, first, second
-
-
-def _distance(parts: tuple[Part, ...], points: np.ndarray) -> np.ndarray:
-    flat = np.ascontiguousarray(points).reshape(-1, 3)
-    out = np.empty(len(flat))
-    fill_union_distance(
-        np.array([part.kind for part in parts]),
-        np.array([part.size for part in parts]),
-        np.array([part.position for part in parts]),
-        np.array([rotations.matrix(part.quaternion) for part in parts]),
-        flat,
-        out,
-    )
-    return out.reshape(points.shape[:-1])
 
 
 def _positive(name: str, values: ArrayLike, shape: tuple[int, ...] = ()) -> np.ndarray:

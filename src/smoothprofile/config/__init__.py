@@ -4,7 +4,7 @@ from smoothprofile.config.case import Case, Profile, Start, Time
 from smoothprofile.config.domain import Domain, Faces, Focus
 from smoothprofile.config.fluid import Fluid, MeanVelocity, WallVelocity
 from smoothprofile.config.output import Line, Output, PlaneCut, WallLine
-from smoothprofile.config.particle import Particle, Solid, build_shape
+from smoothprofile.config.particle import Particle, Solid, body_shape, build_shape, start_position
 from smoothprofile.config.reading import load_case
 from smoothprofile.config.values import AXES, SIDES
 
@@ -27,6 +27,8 @@ __all__ = [
     "Time",
     "WallLine",
     "WallVelocity",
+    "body_shape",
     "build_shape",
     "load_case",
+    "start_position",
 ]

@@ -154,8 +154,10 @@ class Case(Table):
     def _check_start(self) -> None:
         """Refusal of a coarse start for bodies that travel: it would leave them elsewhere."""
         for number, particle in enumerate(self.particles if self.start else ()):
+            allowed = "a case with [[start]] may not have bodies that travel"
+            if particle.motion == "free":
+                raise Refusal(f"particles.{number}.motion", "free", allowed)
             if particle.shape != "plane" and particle.velocity.maximum.any():
-                allowed = "a case with [[start]] may not have bodies that travel"
                 key = f"particles.{number}.velocity"
                 raise Refusal(key, shown_signal(particle.velocity), allowed)
 

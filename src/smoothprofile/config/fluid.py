@@ -49,11 +49,16 @@ class MeanVelocity(Table):
 
 
 class Fluid(Table):
-    """[fluid]: density, dynamic viscosity, body force per unit volume, and what is held."""
+    """[fluid]: density, dynamic viscosity, body force per unit volume, and what is held.
+
+    Gravity, an acceleration, pulls free bodies by what they weigh more than the fluid; the
+    hydrostatic pressure that balances the fluid's own weight is left out.
+    """
 
     density: Positive = Field(description=POSITIVE)
     viscosity: Positive = Field(description=POSITIVE)
     body_force: Vector = Field((0.0, 0.0, 0.0), description=NUMBERS)
+    gravity: Vector = Field((0.0, 0.0, 0.0), description=NUMBERS)
     initial_velocity: Vector = Field((0.0, 0.0, 0.0), description=NUMBERS)
     advection: bool = Field(True, description=FLAG)
     mean_velocity: MeanVelocity = Field(MeanVelocity(), description="a table such as { x = 1.0 }")

@@ -44,6 +44,7 @@ SIZES = {
     "plane": Sizes((), (), "normal"),
     "union": Sizes(("parts",)),
 }
+MOTIONS = ("held", "prescribed", "free")
 SIZE_KEYS = ("radius", "radii", "length", "sides", "parts", "axis", "normal")
 
 
@@ -117,7 +118,11 @@ class Solid(Table):
 
 
 class Particle(Solid):
-    """[[particles]]: a simple shape, a plane or a union, held or moving as prescribed."""
+    """[[particles]]: a simple shape, a plane or a union, held, moving as prescribed or freely.
+
+    A free body starts with `velocity` and `angular_velocity`; force and torque act on it besides
+    the fluid and gravity.
+    """
 
     name: Annotated[str, Field(min_length=1)] | None = Field(None, description="a name in quotes")
     shape: Literal[Simple, "plane", "union"] = Field(description="one of " + ", ".join(SIZES))
@@ -125,9 +130,12 @@ class Particle(Solid):
     parts: Annotated[tuple[Solid, ...], Field(strict=False, min_length=1)] | None = Field(
         None, description="a list of one or more tables, each with a shape, its sizes, a position"
     )
-    motion: Literal["held", "prescribed"] = Field(description='"held" or "prescribed"')
+    motion: Literal[MOTIONS] = Field(description='"held", "prescribed" or "free"')
     velocity: Velocity = Field(Signal(), description=VELOCITY)
     angular_velocity: Velocity = Field(Signal(), description=VELOCITY)
+    density: Positive | None = Field(None, description=POSITIVE)
+    force: Vector = Field((0.0, 0.0, 0.0), description=NUMBERS)
+    torque: Vector = Field((0.0, 0.0, 0.0), description=NUMBERS)
 
     @model_validator(mode="before")
     @classmethod
@@ -150,7 +158,24 @@ class Particle(Solid):
             if self.motion == "held" and signal.maximum.any():
                 allowed = f'a held body has no {key}, one with motion = "prescribed" has'
                 raise Refusal(key, shown_signal(signal), allowed)
+        self._is_free_as_it_may()
         return self
+
+    def _is_free_as_it_may(self) -> None:
+        if self.motion != "free":
+            for key in ("density", "force", "torque"):
+                value = getattr(self, key)
+                if value is not None and np.any(value):
+                    raise Refusal(key, value, f'only a body with motion = "free" has a {key}')
+            return
+        if not self.bounded:
+            raise Refusal("motion", "free", f"a {self.shape} without an end cannot move freely")
+        if self.density is None:
+            raise Refusal("density", MISSING, "a free body needs density")
+        for key in ("velocity", "angular_velocity"):
+            if any(getattr(self, key).amplitude):
+                allowed = f"of a free body {key} is that at the start, three numbers"
+                raise Refusal(key, {"amplitude": getattr(self, key).amplitude}, allowed)
 
     @property
     def thinnest(self) -> tuple[str, float]:
@@ -176,6 +201,20 @@ def build_shape(particle: Solid) -> shapes.Shape:
         "plane": lambda: shapes.plane(),
     }
     return makers[particle.shape]()
+
+
+def body_shape(particle: Particle) -> shapes.Shape:
+    """The shape of a body about its position: a free one's is its centre of mass."""
+    shape = build_shape(particle)
+    return shapes.centred(shape) if particle.motion == "free" else shape
+
+
+def start_position(particle: Particle) -> np.ndarray:
+    """Where the body's position is at the start: a free one's is its centre of mass."""
+    position = np.array(particle.position)
+    if particle.motion == "free":
+        position = position + rotations.rotate(particle.quaternion, build_shape(particle).centroid)
+    return position
 
 
 def shown_signal(signal: Signal) -> Any:

@@ -34,15 +34,17 @@ class Impulse:
         _add(self._values, w.task, w.first, w.count, w.start, w.order, w.group, *velocity)
         return gained
 
-    def solid_mean(
-        self, painter: Painter, state: BodyState, field: np.ndarray, component: int, moving: bool
-    ) -> float:
-        """⟨φ(u_p − f)⟩ over the box: what the impulse will add to the mean of a field.
+    def momenta(self, painter: Painter, state: BodyState, velocity: tuple) -> tuple:
+        """∂(∫φu_p, ∫r×φu_p)/∂(V, Ω) (n,6,6), and ∫φu, ∫r×φu (n,6): u_p and u as painted."""
+        w = painter.windows
+        sums = np.zeros((w.task.shape[0], 9))
+        _momenta(sums, painter.indicator, *painter.table(), *self._sizes, state.position, *velocity)
+        return _assemble(w.task, sums, state.count)
 
-        With moving = False, u_p counts as zero.
-        """
-        zero = np.zeros_like(state.velocity)
-        motion = (state.velocity, state.angular_velocity) if moving else (zero, zero)
+    def solid_mean(
+        self, painter: Painter, state: BodyState, motion: tuple, field: np.ndarray, component: int
+    ) -> float:
+        """⟨φ(u_p − f)⟩ over the box, u_p of motion (V, Ω): what the impulse adds to f's mean."""
         gained, _ = self._integrals(painter, state, motion, (field,) * 3)
         return float(gained[:, component].sum()) / self.grid.volume
 
@@ -115,6 +117,64 @@ def _impulse(
                 load = f * area * sz[int(c == 2), gk]
                 f0, f1, f2 = f0 + load, f1 + load * r1, f2 + load * r2
         sums[t, 0], sums[t, 1], sums[t, 2] = f0, f1, f2
+
+
+def _assemble(task: np.ndarray, sums: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The matrix and the momenta of each body from the tasks' moments of φ and of φu.
+
+    sums: ∫φ, ∫φr₁, ∫φr₂, ∫φr₁r₁, ∫φr₁r₂, ∫φr₂r₂, ∫φu, ∫φur₁, ∫φur₂ at the points of component c,
+    r₁ and r₂ along the axes c+1 and c+2. Along c, u_p = V_c + Ω₁r₂ − Ω₂r₁.
+    """
+    matrix, momentum = np.zeros((count, 6, 6)), np.zeros((count, 6))
+    body, c = task[:, 0], task[:, 1]
+    force, arm, other = c, 3 + (c + 1) % 3, 3 + (c + 2) % 3
+    m, s1, s2, q11, q12, q22, p, p1, p2 = sums.T
+    for row, signed in ((force, (m, s2, -s1)), (arm, (s2, q22, -q12)), (other, (-s1, -q12, q11))):
+        for column, values in zip((force, arm, other), signed, strict=True):
+            np.add.at(matrix, (body, row, column), values)
+    for row, values in ((force, p), (arm, p2), (other, -p1)):
+        np.add.at(momentum, (body, row), values)
+    return matrix, momentum
+
+
+@njit(parallel=True, cache=True)
+def _momenta(
+    sums, phi, task, first, count, image, start, px, py, pz, lengths, sx, sy, sz, position, u, v, w,
+):  # fmt: skip
+    cells = (px.shape[1] - 2, py.shape[1] - 2, pz.shape[1] - 2)
+    for t in prange(task.shape[0]):
+        b, c, i = task[t]
+        field = u if c == 0 else (v if c == 1 else w)
+        i0, j0, k0 = first[b, c]
+        ny, nz = count[b, c, 1], count[b, c, 2]
+        x = coordinate(px, c == 0, i0 + i, image[b, c, 0], lengths[0]) - position[b, 0]
+        gi = wrap(i0 + i, cells[0])
+        m, s1, s2, q11, q12, q22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        p, p1, p2 = 0.0, 0.0, 0.0
+        for j in range(ny):
+            y = coordinate(py, c == 1, j0 + j, image[b, c, 1], lengths[1]) - position[b, 1]
+            gj = wrap(j0 + j, cells[1])
+            area = sx[int(c == 0), gi] * sy[int(c == 1), gj]
+            at = start[b, c] + (i * ny + j) * nz
+            for k in range(nz):
+                z = coordinate(pz, c == 2, k0 + k, image[b, c, 2], lengths[2]) - position[b, 2]
+                gk = wrap(k0 + k, cells[2])
+                if c == 0:
+                    r1, r2 = y, z
+                elif c == 1:
+                    r1, r2 = z, x
+                else:
+                    r1, r2 = x, y
+                weight = phi[at + k] * area * sz[int(c == 2), gk]
+                m, s1, s2 = m + weight, s1 + weight * r1, s2 + weight * r2
+                q11 += weight * r1 * r1
+                q12 += weight * r1 * r2
+                q22 += weight * r2 * r2
+                load = weight * field[gi, gj, gk]
+                p, p1, p2 = p + load, p1 + load * r1, p2 + load * r2
+        sums[t, 0], sums[t, 1], sums[t, 2] = m, s1, s2
+        sums[t, 3], sums[t, 4], sums[t, 5] = q11, q12, q22
+        sums[t, 6], sums[t, 7], sums[t, 8] = p, p1, p2
 
 
 @njit(parallel=True, cache=True)

@@ -28,19 +28,26 @@ class PrescribedMotion:
         angular_velocity: Sequence[Signal],
         courses: dict[int, Course] | None = None,
         time: float = 0.0,
+        free: Sequence[int] = (),
     ):
+        """free: rows whose motion is not given; their signals are those of the start."""
         self._velocity, self._spin = _Signals(velocity), _Signals(angular_velocity)
         self._courses = dict(courses or {})
         self._origin = state.position - self._velocity.integral(time)
+        self._given = np.setdiff1d(np.arange(state.count), np.asarray(free, dtype=np.int64))
+        state.velocity[:] = self._velocity.at(time)
+        state.angular_velocity[:] = self._spin.at(time)
         self.place(state, time, time)
 
     def place(self, state: BodyState, time: float, since: float) -> None:
         """Put the bodies, known at time `since`, where they are at `time`."""
-        state.position[:] = self._origin + self._velocity.integral(time)
-        state.velocity[:] = self._velocity.at(time)
-        state.angular_velocity[:] = self._spin.at(time)
-        turn = self._spin.integral(time) - self._spin.integral(since)
-        state.quaternion[:] = rotations.multiply(rotations.from_vector(turn), state.quaternion)
+        given = self._given
+        state.position[given] = (self._origin + self._velocity.integral(time))[given]
+        state.velocity[given] = self._velocity.at(time)[given]
+        state.angular_velocity[given] = self._spin.at(time)[given]
+        turn = (self._spin.integral(time) - self._spin.integral(since))[given]
+        turned = rotations.multiply(rotations.from_vector(turn), state.quaternion[given])
+        state.quaternion[given] = turned
         for b, course in self._courses.items():
             position, quaternion, velocity, spin = course(time)
             state.position[b], state.quaternion[b] = position, quaternion
