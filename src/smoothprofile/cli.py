@@ -3,7 +3,6 @@
 Each command imports what it needs when it is called, so that help comes at once.
 """
 
-import math
 import signal
 from pathlib import Path
 from typing import Annotated
@@ -21,9 +20,6 @@ from smoothprofile.console import (
     say,
 )
 from smoothprofile.errors import BlowUpError
-
-# Waking a second thread costs more than it saves on fewer cells than this.
-CELLS_PER_THREAD = 65536
 
 app = typer.Typer(
     help="Particles in incompressible flow by the smoothed profile method.",
@@ -49,7 +45,7 @@ Settings = Annotated[
 ]
 Threads = Annotated[
     int | None,
-    typer.Option(metavar="N", help="Threads to use; if left out, as many as the grid keeps busy."),
+    typer.Option(metavar="N", help="Threads to use; if left out, what proves fastest."),
 ]
 
 
@@ -122,7 +118,7 @@ def check(
 
         check_free(out)
         loaded = load_case(case, set_ or [])
-        _use(threads, loaded.domain.cells)
+        _use(threads)
         simulation = Simulation(loaded)
         rows = simulation.preflight()
         if answer({"title": simulation.case.title, "checks": rows}, json, out):
@@ -152,7 +148,7 @@ def run(
 
         check_free(out, "output directory")
         loaded = load_case(case, set_ or [])
-        _use(threads, loaded.domain.cells)
+        _use(threads)
         with Watcher(quiet=json) as watcher:
             simulation = Simulation(loaded)
             for row in simulation.preflight():
@@ -205,6 +201,62 @@ def report(
 
 
 @app.command()
+def study(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="A study's name, or list, or all of them: all.")
+    ] = "list",
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIRECTORY", help="Where to write; studies/NAME if left out."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Repeat an experiment of the thesis: its numbers, the exact ones and ours."""
+    with exit_codes(json):
+        from smoothprofile.studies import STUDIES, study_named
+
+        if name == "list":
+            entries = [{"name": key, "description": text} for key, text in STUDIES.items()]
+            if answer({"studies": entries}, json, None):
+                print_table("Studies", ("name", "what it is"), list(STUDIES.items()))
+                say("spm study NAME runs one; spm study all runs them all.")
+            return
+        names = list(STUDIES) if name == "all" else [name]
+        for key in names:
+            study_named(key)
+        check_free(out, "output directory")
+        found = [
+            _one_study(key, out / key if out and name == "all" else out, json) for key in names
+        ]
+        if json:
+            print_json(found[0] if name != "all" else {"studies": found})
+        if not all(entry["agrees"] for entry in found):
+            say("Some numbers differ from what they should be: see the verdicts.")
+            raise typer.Exit(3)
+
+
+def _one_study(name: str, out: Path | None, json: bool) -> dict:
+    from smoothprofile.output import next_free_directory
+    from smoothprofile.studies import study_named
+    from smoothprofile.studies.directory import as_dict, corrections, shown, write_study
+    from smoothprofile.studies.study import HEADS
+
+    if not json:
+        say(f"Running {name} …")
+    done = study_named(name)()
+    directory = out or next_free_directory("studies", name)
+    report = write_study(done, directory)
+    if not json:
+        # Remarks would leave the numbers no room on a terminal: they follow, and are in the report.
+        heads = tuple(head.replace(" or ", " or\n") for head in HEADS[:-1])
+        print_table(done.title, heads, [shown(row)[:-1] for row in done.rows], folds=HEADS[0])
+        for text in (*done.findings, *corrections(done)):
+            say(f"• {text}")
+        say(f"Everything is in {directory}; open {report}.")
+    return {**as_dict(done), "directory": str(directory), "report": str(report)}
+
+
+@app.command()
 def bench(
     case: Annotated[
         str, typer.Argument(metavar="CASE", help="What to time; its first steps are run.")
@@ -220,9 +272,10 @@ def bench(
     """Speed and memory of a step, beside an FFT round trip and a memory copy."""
     with exit_codes(json):
         from smoothprofile.bench import measure
+        from smoothprofile.threads import available_threads
 
         check_free(out)
-        _use(threads)
+        _use(available_threads() if threads is None else threads)
         found = measure(case, [f"domain.cells=[{cells}]", "start=[]", *(set_ or [])])
         if answer(found, json, out):
             print_table("Speed and memory", ("quantity", "value"), list(found.items()))
@@ -245,15 +298,12 @@ def doctor(out: JsonFile = None, json: Json = False) -> None:
             raise typer.Exit(3)
 
 
-def _use(threads: int | None, cells: tuple[int, int, int] | None = None) -> None:
-    """Set the number of threads: what is asked for, else what is there and is worth waking."""
-    from smoothprofile.threads import available_threads, set_thread_count
+def _use(threads: int | None) -> None:
+    """Set the number of threads that is asked for; without one, runs find the fastest."""
+    from smoothprofile.threads import set_thread_count
 
-    if threads is None:
-        threads = available_threads()
-        if cells is not None:
-            threads = max(1, min(threads, math.prod(cells) // CELLS_PER_THREAD))
-    set_thread_count(threads)
+    if threads is not None:
+        set_thread_count(threads)
 
 
 def main() -> None:

@@ -51,8 +51,10 @@ def answer(data: Any, json: bool, out: Path | None) -> bool:
     return not json
 
 
-def print_table(title: str, heads: tuple[str, ...], rows: list[tuple]) -> None:
-    """A table on standard output."""
+def print_table(
+    title: str, heads: tuple[str, ...], rows: list[tuple], folds: str | None = None
+) -> None:
+    """A table on standard output; the column `folds` alone gives way, all of them if None."""
     table = Table(
         title=title,
         title_justify="left",
@@ -60,9 +62,10 @@ def print_table(title: str, heads: tuple[str, ...], rows: list[tuple]) -> None:
         header_style="",
         box=box.SIMPLE_HEAD,
         pad_edge=False,
+        collapse_padding=folds is not None,
     )
     for head in heads:
-        table.add_column(head, overflow="fold")
+        table.add_column(head, overflow="fold", no_wrap=folds not in (None, head))
     for row in rows:
         table.add_row(*(escape(_text(cell)) for cell in row))
     Console().print(table)

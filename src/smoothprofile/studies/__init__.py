@@ -1,0 +1,22 @@
+"""The thesis' experiments, one file each: every number beside the thesis' and the exact one."""
+
+from collections.abc import Callable
+from importlib import import_module
+
+from smoothprofile.errors import CaseError
+from smoothprofile.studies.study import Study
+
+STUDIES: dict[str, str] = {
+    "couette": "A flat wall at rest in shear: best Δt, shift of the wall (thesis 3.1)",
+    "stokes-layer": "An oscillating flat wall: amplitude and phase (thesis 3.2)",
+    "dipole": "A dielectric sphere in a uniform field (thesis 4.1)",
+    "sphere-force": "A dielectric sphere in a non-uniform field (thesis 4.2)",
+}
+"""Name -> what it is about. The function `run` of the file of that name does it."""
+
+
+def study_named(name: str) -> Callable[[], Study]:
+    """The function that runs a study; CaseError with the list of names otherwise."""
+    if name not in STUDIES:
+        raise CaseError(f"No study is called {name!r}; there are {', '.join(STUDIES)}.")
+    return import_module(f"smoothprofile.studies.{name.replace('-', '_')}").run
