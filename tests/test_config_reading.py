@@ -122,7 +122,7 @@ def test_overrides_reach_everything():
         (b"a." * 100_000 + b"a = 1", "too deeply"),
         (b"x = " + b"[" * 40 + b"]" * 40, "too deeply"),
         (b"x = " + b"9" * 5_000, "not TOML at line 1"),
-        (b"#" * (4 * 2**20 + 1), "too large"),
+        (b"#" * (64 * 2**20 + 1), "too large"),
     ],
 )
 def test_files_that_are_no_case_are_refused(content, expected, tmp_path):

@@ -10,7 +10,9 @@ from smoothprofile.flow.walls import Walls
 from smoothprofile.grid import Axis, Grid, stretched_axis, uniform_axis
 from smoothprofile.pairing import surface_offsets
 from smoothprofile.particles.bodies import Forms, bodies_at
-from smoothprofile.particles.dynamics import FreeBodies
+from smoothprofile.particles.contact import Contact, default_parameters
+from smoothprofile.particles.dynamics import FreeBodies, FreeMotion
+from smoothprofile.particles.inertia import DisplacedFluid
 from smoothprofile.particles.loads import Impulse
 from smoothprofile.particles.motion import Course, PrescribedMotion
 from smoothprofile.particles.paint import Painter
@@ -68,9 +70,16 @@ def initial_state(case: Case, flow: Flow) -> FlowState:
 
 
 def build_particles(
-    case: Case, flow: Flow, step: float, courses: dict[int, Course] | None = None
+    case: Case,
+    flow: Flow,
+    step: float,
+    speed: float = 0.0,
+    courses: dict[int, Course] | None = None,
 ) -> Particles:
-    """The bodies of a case, painted for that step; courses overrule the motion of some."""
+    """The bodies of a case, painted for that step; courses overrule the motion of some.
+
+    speed: how fast bodies are expected to move, at most.
+    """
     shapes = [body_shape(particle) for particle in case.particles]
     turning = [
         bool(p.angular_velocity.maximum.any()) and not p.velocity.maximum.any()
@@ -96,7 +105,12 @@ def build_particles(
     painter = Painter(
         flow.grid, flow.boundaries, Forms.of(shapes, offsets), profile_named(kind), thickness
     )
-    return Particles(state, motion, free, painter, Impulse(flow.grid), case.fluid.density)
+    density = case.fluid.density
+    displaced = DisplacedFluid.of(painter, state)
+    contact = build_contact(case, flow.grid, painter.forms, displaced, free, speed)
+    walls = flow.parameters.walls
+    moving = FreeMotion(free, displaced, density, contact, walls.velocities)
+    return Particles(state, motion, moving, displaced, painter, Impulse(flow.grid), density)
 
 
 def free_bodies(case: Case) -> FreeBodies:
@@ -110,3 +124,35 @@ def free_bodies(case: Case) -> FreeBodies:
         torque=np.array([p.torque for p in free], dtype=np.float64).reshape(-1, 3),
         gravity=np.array(case.fluid.gravity),
     )
+
+
+def build_contact(
+    case: Case,
+    grid: Grid,
+    forms: Forms,
+    displaced: DisplacedFluid,
+    free: FreeBodies,
+    speed: float,
+) -> Contact:
+    """How the bodies of a case push each other: free ones with half the fluid they displace."""
+    density, wanted, count = case.fluid.density, case.contact, displaced.volume.size
+    volume, inertia = displaced.volume[free.rows], displaced.inertia[free.rows]
+    mass, weight = np.full(count, np.inf), np.full(count, np.inf)
+    mass[free.rows] = (free.density + 0.5 * density) * volume
+    pull = free.force + ((free.density - density) * volume)[:, None] * free.gravity
+    weight[free.rows] = np.linalg.norm(pull, axis=1)
+    turning = np.zeros((count, 3, 3))
+    turning[free.rows] = np.linalg.inv(free.density[:, None, None] * inertia)
+    cell = min(float(axis.widths.min()) for axis in grid.axes)
+    # Where nothing says how fast bodies will be, viscosity does: across a cell in its own time.
+    nu = case.fluid.viscosity / density
+    parameters = default_parameters(
+        wanted.range or cell,
+        speed or nu / cell,
+        mass,
+        weight,
+        wanted.restitution,
+        wanted.friction,
+        case.fluid.viscosity if wanted.lubrication else 0.0,
+    )
+    return Contact(forms, grid, 1.0 / mass, turning, parameters)

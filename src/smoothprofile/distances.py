@@ -11,6 +11,7 @@ Points are given in the shape's own frame; `s0, s1, s2` are its sizes:
 | CAPSULE   | radius, half length    | along z; half length of the straight part         |
 | BOX       | three half sides       | about the origin                                  |
 | PLANE     |                        | z < 0                                             |
+| MESH + m  |                        | row m of a table of sampled surfaces, `surfaces`  |
 
 The kernels allocate nothing, work in float64 and may be called for each cell from a parallel loop.
 """
@@ -20,12 +21,15 @@ import math
 import numpy as np
 from numba import njit
 
+from smoothprofile.surfaces import Samples, exact_distance
+
 SPHERE = 0
 ELLIPSOID = 1
 CYLINDER = 2
 CAPSULE = 3
 BOX = 4
 PLANE = 5
+MESH = 6
 
 # Newton's method below takes 4 to 6 steps for most points, and less than 50 for the worst found.
 _MOST_STEPS = 100
@@ -44,7 +48,8 @@ def signed_distance(
 
     sphere |x| − a;  plane z;  capsule |(x, y, z − clip(z, −h, h))| − a;
     box and cylinder |max(q, 0)| + min(max q, 0), q = |x| − half sides, or (r − a, |z| − h);
-    ellipsoid by `_ellipsoid_distance`. All are exact, also outside edges and inside.
+    ellipsoid by `_ellipsoid_distance`. All are exact, also outside edges and inside; NaN for any
+    other kind.
     """
     if kind == SPHERE:
         return math.sqrt(x * x + y * y + z * z) - s0
@@ -92,25 +97,26 @@ def union_distance(
     x: float,
     y: float,
     z: float,
+    samples: Samples | None = None,
 ) -> float:
     """d = minᵢ dᵢ(Rᵢᵀ(x − Xᵢ)), the parts' distances at a point of the body's frame.
 
-    `kinds` (n,), `sizes` (n, 3), `positions` X (n, 3), `matrices` R (n, 3, 3) from part to body.
+    `kinds` (n,), `sizes` (n, 3), `positions` X (n, 3), `matrices` R (n, 3, 3) from part to body;
+    `samples` holds the surfaces of parts of kind MESH + m.
     Exact outside; inside, where parts overlap, |d| is at most the distance to the surface.
     """
     d = math.inf
     for i in range(kinds.size):
         u, v, w = x - positions[i, 0], y - positions[i, 1], z - positions[i, 2]
         r = matrices[i]
-        d_part = signed_distance(
-            kinds[i],
-            sizes[i, 0],
-            sizes[i, 1],
-            sizes[i, 2],
-            r[0, 0] * u + r[1, 0] * v + r[2, 0] * w,
-            r[0, 1] * u + r[1, 1] * v + r[2, 1] * w,
-            r[0, 2] * u + r[1, 2] * v + r[2, 2] * w,
-        )
+        p = r[0, 0] * u + r[1, 0] * v + r[2, 0] * w
+        q = r[0, 1] * u + r[1, 1] * v + r[2, 1] * w
+        s = r[0, 2] * u + r[1, 2] * v + r[2, 2] * w
+        d_part = signed_distance(kinds[i], sizes[i, 0], sizes[i, 1], sizes[i, 2], p, q, s)
+        # Compiled away where there are no samples.
+        if samples is not None:  # noqa: SIM102
+            if kinds[i] >= MESH:
+                d_part = exact_distance(samples, kinds[i] - MESH, p, q, s)
         d = min(d, d_part)
     return d
 
@@ -121,13 +127,14 @@ def fill_union_distance(
     sizes: np.ndarray,
     positions: np.ndarray,
     matrices: np.ndarray,
+    samples: Samples,
     points: np.ndarray,
     out: np.ndarray,
 ) -> None:
     """out[m] = `union_distance` at points[m]; `points` (m, 3), `out` (m,)."""
     for m in range(out.size):
         out[m] = union_distance(
-            kinds, sizes, positions, matrices, points[m, 0], points[m, 1], points[m, 2]
+            kinds, sizes, positions, matrices, points[m, 0], points[m, 1], points[m, 2], samples
         )
 
 

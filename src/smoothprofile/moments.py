@@ -22,20 +22,33 @@ def mass_properties(parts: tuple[Part, ...]) -> tuple[float, np.ndarray, np.ndar
         return math.inf, np.zeros(3), np.diag(np.full(3, math.inf))
     volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
     for i, part in enumerate(parts):
-        own_volume, own_second = _own_moments(part)
         turn, at = rotations.matrix(part.quaternion), part.position
+        own_volume, own_first, own_second = _turned(_own_moments(part), turn)
         shared_volume, shared_first, shared_second = _shared_moments(part, parts[:i])
         volume += own_volume - shared_volume
-        first += own_volume * at - shared_first
-        second += turn @ np.diag(own_second) @ turn.T + own_volume * np.outer(at, at)
-        second -= shared_second
+        first += own_first + own_volume * at - shared_first
+        mixed = np.outer(own_first, at)
+        second += own_second + mixed + mixed.T + own_volume * np.outer(at, at) - shared_second
     centroid = first / volume
     second -= volume * np.outer(centroid, centroid)
     return volume, centroid, np.trace(second) * np.eye(3) - second
 
 
-def _own_moments(part: Part) -> tuple[float, np.ndarray]:
-    """V and ∫xᵢ²dV, (3,), of a bounded part about its own centre and axes."""
+def _turned(moments: tuple, turn: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+    volume, first, second = moments
+    return volume, turn @ first, turn @ second @ turn.T
+
+
+def _own_moments(part: Part) -> tuple[float, np.ndarray, np.ndarray]:
+    """V, ∫x dV and ∫xxᵀdV of a bounded part about its own origin, along its own axes."""
+    if part.surface is not None:
+        return part.surface.volume, part.surface.first, part.surface.second
+    volume, squares = _symmetric_moments(part)
+    return volume, np.zeros(3), np.diag(squares)
+
+
+def _symmetric_moments(part: Part) -> tuple[float, np.ndarray]:
+    """V and ∫xᵢ²dV, (3,), of a solid with three planes of symmetry."""
     radius, half = float(part.size[0]), float(part.size[1])
     across, along = np.array([1.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
     if part.kind == BOX:

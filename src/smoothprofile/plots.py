@@ -22,6 +22,7 @@ from smoothprofile.labels import (
     position,
     reference_label,
 )
+from smoothprofile.motion_plots import motion_picture, spin_picture
 from smoothprofile.output import RunRecord
 
 # A force this small beside the torque, both in the case's own units, is none.
@@ -38,6 +39,8 @@ def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> l
     with drawing():
         drawn = [
             plane_picture(record.plane),
+            motion_picture(record.particles, reference),
+            spin_picture(record.particles, reference),
             load_picture(record.particles, reference),
             *profile_pictures(record.lines, output.get("lines", ()), reference),
             wall_shear_picture(record.wall_shear, output.get("wall_line", {}), reference),

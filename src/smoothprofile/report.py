@@ -57,7 +57,8 @@ def comparison(
     """(quantity, this run, reference, other computations) for what run and reference share.
 
     Of vectors, the component that is largest; of bodies, the first. The centre velocity is
-    |u − V| at its centre, which is zero for a rigid body. The wall stress is the largest shear
+    |u − V| at its centre, which is zero for a rigid body; the peak speed is over its history. The
+    wall stress is the largest shear
     force on a wall over the wall's area.
     """
     measured = {}
@@ -66,6 +67,8 @@ def comparison(
         measured["force"] = max(bodies[0]["force"], key=abs)
         measured["torque"] = max(bodies[0]["torque"], key=abs)
         measured["centre_velocity"] = float(np.linalg.norm(slip))
+    if record.particles:
+        measured["peak_speed"] = _peak_speed(next(iter(record.particles.values())))
     if mean := record.summary.get("mean_velocity"):
         measured["mean_velocity"] = max(mean, key=abs)
     if stresses := _wall_stresses(record):
@@ -76,6 +79,12 @@ def comparison(
         for key, value in measured.items()
         if key in reference
     ]
+
+
+def _peak_speed(columns: Mapping[str, np.ndarray]) -> float:
+    """The largest |V| in a body's history."""
+    velocity = np.stack([columns[f"velocity_{axis}"] for axis in AXIS_NAMES])
+    return float(np.linalg.norm(velocity, axis=0).max())
 
 
 def _wall_stresses(record: RunRecord) -> list[float]:

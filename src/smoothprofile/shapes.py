@@ -9,6 +9,7 @@ about. The scalar kernels `signed_distance` and `curvature` work on one part in 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +20,7 @@ from smoothprofile.distances import (
     CAPSULE,
     CYLINDER,
     ELLIPSOID,
+    MESH,
     PLANE,
     SPHERE,
 )
@@ -28,7 +30,8 @@ from smoothprofile.distances import union_distance as union_distance
 from smoothprofile.errors import CaseError
 from smoothprofile.moments import mass_properties
 from smoothprofile.parts import Part as Part
-from smoothprofile.parts import distance, frozen
+from smoothprofile.parts import PartTable, distance_to, frozen, table_of
+from smoothprofile.surfaces import Surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +59,11 @@ class Shape:
 
     def distance(self, points: ArrayLike) -> np.ndarray:
         """minᵢ dᵢ at `points` (..., 3) of the body's frame; (...), negative inside."""
-        return distance(self.parts, np.asarray(points, dtype=np.float64))
+        return distance_to(self._table, np.asarray(points, dtype=np.float64))
+
+    @cached_property
+    def _table(self) -> PartTable:
+        return table_of(self.parts)
 
 
 def sphere(radius: float) -> Shape:
@@ -114,6 +121,14 @@ def plane(normal: Sequence[float] = (0.0, 0.0, 1.0)) -> Shape:
     return _assemble("plane", (Part(PLANE, np.zeros(3), quaternion=turn),))
 
 
+def mesh(surface: Surface) -> Shape:
+    """Inside a closed triangulated surface, whose own origin is the body's.
+
+    V = Σ a·(b × c)/6 and so on: volume and inertia are those of the facets, exactly.
+    """
+    return _assemble("mesh", (Part(MESH, (surface.depth, 0.0, 0.0), surface=surface),))
+
+
 def union(members: Sequence[tuple[Shape, ArrayLike, ArrayLike]]) -> Shape:
     """d = minᵢ dᵢ(R(qᵢ)ᵀ(x − Xᵢ)) of members (shape, X, q), X and q in the body's frame.
 
@@ -132,7 +147,8 @@ def union(members: Sequence[tuple[Shape, ArrayLike, ArrayLike]]) -> Shape:
         turn = rotations.normalise(quaternion)
         for part in shape.parts:
             at = centre + rotations.rotate(turn, part.position)
-            parts.append(Part(part.kind, part.size, at, rotations.multiply(turn, part.quaternion)))
+            turned = rotations.multiply(turn, part.quaternion)
+            parts.append(replace(part, position=at, quaternion=turned))
     return _assemble("union", tuple(parts))
 
 
@@ -145,8 +161,9 @@ def centred(shape: Shape) -> Shape:
 
 
 def _assemble(name: str, parts: tuple[Part, ...]) -> Shape:
-    reach = max(float(np.linalg.norm(part.position)) + _reach(part) for part in parts)
-    extents = np.max([np.abs(part.position) + part.half_extents for part in parts], axis=0)
+    reach = max(float(np.linalg.norm(part.position)) + part.reach for part in parts)
+    corners = [part.position + end for part in parts for end in part.box]
+    extents = np.max(np.abs(corners), axis=0)
     volume, centroid, inertia = mass_properties(parts)
     return Shape(
         name=name,
@@ -160,18 +177,13 @@ def _assemble(name: str, parts: tuple[Part, ...]) -> Shape:
     )
 
 
-def _reach(part: Part) -> float:
-    """max |x′| over the part; inf if it has no end."""
-    radius, half_length = float(part.size[0]), float(part.size[1])
-    if part.kind == CAPSULE:
-        return radius + half_length
-    if part.kind in (CYLINDER, BOX):
-        return float(np.linalg.norm(part.size))
-    return math.inf if part.kind == PLANE else float(np.max(part.size))
-
-
 def _curvatures(part: Part) -> set[float]:
-    """Values of κ₁ + κ₂ on the part; of an ellipsoid, stand-ins that differ where its radii do."""
+    """Values of κ₁ + κ₂ on the part; of an ellipsoid, stand-ins that differ where its radii do.
+
+    Of a triangulated surface, whatever it approximates, two that differ.
+    """
+    if part.surface is not None:
+        return {0.0, 1.0}
     radius, half_length = float(part.size[0]), float(part.size[1])
     if part.kind == ELLIPSOID:
         return {2.0 / float(e) for e in part.size}

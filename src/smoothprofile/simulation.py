@@ -45,7 +45,8 @@ class Simulation:
         self._courses = dict(courses or {})
         self.flow = build_flow(case, self.grid)
         self.state = initial_state(case, self.flow)
-        self.bodies = build_particles(case, self.flow, self.pairing.step, self._by_number())
+        speed = max(self.pairing.speed)
+        self.bodies = build_particles(case, self.flow, self.pairing.step, speed, self._by_number())
         self._couple = coupling_named(case.time.coupling)
         self.status = "running"
         self.wall_seconds = 0.0

@@ -209,3 +209,20 @@ def _multiply_along(f, matrix):
                 for k in range(columns):
                     row[k] += weight * source[l, k]
             f[i, m, :] = row
+
+
+def mode_shape(shape: tuple[int, int, int]) -> tuple[int, int, int]:
+    """The shape of the modes of real values: those of negative wave number along z are known."""
+    return (*shape[:2], shape[2] // 2 + 1)
+
+
+def to_modes(values: np.ndarray, modes: np.ndarray) -> None:
+    """f̂(k) = Σ f(x) e^{−ik·x} of real values without ghosts, stored in complex `modes`."""
+    ducc0.fft.r2c(values, out=modes, nthreads=thread_count())
+
+
+def to_values(modes: np.ndarray, values: np.ndarray) -> None:
+    """f(x) = Σ f̂(k) e^{ik·x}/N, the inverse of `to_modes`; what was in `modes` is lost."""
+    backward = {"forward": False, "inorm": 2, "nthreads": thread_count()}
+    ducc0.fft.c2c(modes, axes=(0, 1), out=modes, **backward)
+    ducc0.fft.c2r(modes, axes=(2,), lastsize=values.shape[2], out=values, **backward)

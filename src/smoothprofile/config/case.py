@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, field_validator, model_validator
 
+from smoothprofile.config.contact import Contact
 from smoothprofile.config.domain import Domain, Faces
 from smoothprofile.config.fluid import Fluid
 from smoothprofile.config.output import Output
@@ -103,6 +104,7 @@ class Case(Table):
     particles: Annotated[tuple[Particle, ...], Field(strict=False)] = Field(
         (), description="a list of tables, each under [[particles]]"
     )
+    contact: Contact = Field(Contact(), description="a table [contact]")
     time: Time = Field(description="a table [time] with end")
     start: Annotated[tuple[Start, ...], Field(strict=False)] = Field(
         (), description="a list of tables, each under [[start]]"

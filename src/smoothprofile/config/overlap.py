@@ -11,7 +11,7 @@ pass between two points.
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -61,11 +61,10 @@ class Placed:
     def parts(self) -> tuple[Part, ...]:
         """The shape's parts, placed and turned in space."""
         return tuple(
-            Part(
-                part.kind,
-                part.size,
-                self.position + rotations.rotate(self.quaternion, part.position),
-                rotations.multiply(self.quaternion, part.quaternion),
+            replace(
+                part,
+                position=self.position + rotations.rotate(self.quaternion, part.position),
+                quaternion=rotations.multiply(self.quaternion, part.quaternion),
             )
             for part in self.shape.parts
         )
@@ -73,8 +72,9 @@ class Placed:
     @property
     def extents(self) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest corner of the box along the domain's axes that holds the body."""
-        lows = [part.position - part.half_extents for part in self.parts]
-        highs = [part.position + part.half_extents for part in self.parts]
+        boxes = [part.box for part in self.parts]
+        lows = [part.position + box[0] for part, box in zip(self.parts, boxes, strict=True)]
+        highs = [part.position + box[1] for part, box in zip(self.parts, boxes, strict=True)]
         return np.min(lows, axis=0), np.max(highs, axis=0)
 
     def distance(self, points: np.ndarray) -> np.ndarray:
@@ -181,6 +181,8 @@ def _enters(first: Placed, second: Placed, shift: np.ndarray, domain: Domain) ->
 
 
 def _core(part: Part, farthest: float) -> tuple[np.ndarray, float]:
+    if part.surface is not None:
+        return points_on(part.surface.vertices, part.surface.faces, part.reach / SAMPLES), 0.0
     radius, half = part.size[0], min(part.size[1], farthest)
     grid = np.linspace(-1.0, 1.0, SAMPLES + 1)
     if part.kind == SPHERE:
@@ -197,3 +199,17 @@ def _core(part: Part, farthest: float) -> tuple[np.ndarray, float]:
     if part.kind == BOX:
         return faces * part.size, 0.0
     return faces / np.linalg.norm(faces, axis=1, keepdims=True) * part.size, 0.0
+
+
+def points_on(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> np.ndarray:
+    """Points (n, 3) of triangles: their corners, and a grid where a side is longer than spacing."""
+    points = [vertices]
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    longest = np.max([np.linalg.norm(q - p, axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0)
+    divisions = np.ceil(longest / spacing).astype(int)
+    for n in np.unique(divisions[divisions > 1]):
+        i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
+        u, v = i[i + j <= n] / n, j[i + j <= n] / n
+        p, q, r = (corner[divisions == n][:, None, :] for corner in (a, b, c))
+        points.append((p + u[:, None] * (q - p) + v[:, None] * (r - p)).reshape(-1, 3))
+    return np.concatenate(points)

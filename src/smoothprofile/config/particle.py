@@ -1,15 +1,19 @@
 """[[particles]] of a case: form, place, attitude and motion of each body."""
 
 import math
+from functools import lru_cache
+from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from smoothprofile import rotations, shapes
+from smoothprofile import rotations, shapes, triangles
 from smoothprofile.config.refusals import MISSING, Refusal
+from smoothprofile.config.tables import CSV, LATTICE, RANDOM, Lattice, RandomPacking
 from smoothprofile.config.values import (
     DIRECTION,
+    FLAG,
     LENGTHS,
     NUMBER,
     NUMBERS,
@@ -42,10 +46,13 @@ SIZES = {
     "capsule": Sizes(("radius", "length"), (), "axis"),
     "box": Sizes(("sides",)),
     "plane": Sizes((), (), "normal"),
+    "mesh": Sizes(("file",), ("scale", "repair", "digest")),
     "union": Sizes(("parts",)),
 }
 MOTIONS = ("held", "prescribed", "free")
 SIZE_KEYS = ("radius", "radii", "length", "sides", "parts", "axis", "normal")
+SIZE_KEYS += SIZES["mesh"].needed + SIZES["mesh"].optional
+SOURCE_KEYS = ("lattice", "random", "csv")
 
 
 class Orientation(Table):
@@ -118,18 +125,31 @@ class Solid(Table):
 
 
 class Particle(Solid):
-    """[[particles]]: a simple shape, a plane or a union, held, moving as prescribed or freely.
+    """[[particles]]: a simple shape, a plane, a union or what an STL file bounds, and its motion.
 
+    A mesh keeps the `digest` of its file, so that a changed file is noticed. In a case file one of
+    lattice, random and csv may stand for `position`, and is replaced by bodies when it is loaded.
     A free body starts with `velocity` and `angular_velocity`; force and torque act on it besides
     the fluid and gravity.
     """
 
     name: Annotated[str, Field(min_length=1)] | None = Field(None, description="a name in quotes")
-    shape: Literal[Simple, "plane", "union"] = Field(description="one of " + ", ".join(SIZES))
+    shape: Literal[Simple, "plane", "union", "mesh"] = Field(
+        description="one of " + ", ".join(SIZES)
+    )
     normal: Direction | None = Field(None, description=DIRECTION)
     parts: Annotated[tuple[Solid, ...], Field(strict=False, min_length=1)] | None = Field(
         None, description="a list of one or more tables, each with a shape, its sizes, a position"
     )
+    file: Annotated[str, Field(min_length=1)] | None = Field(
+        None, description="the path of an STL file in quotes"
+    )
+    scale: Positive | None = Field(None, description=POSITIVE)
+    repair: bool | None = Field(None, description=FLAG)
+    digest: str | None = Field(None, description="a text in quotes")
+    lattice: Lattice | None = Field(None, description=LATTICE)
+    random: RandomPacking | None = Field(None, description=RANDOM)
+    csv: str | None = Field(None, description=CSV)
     motion: Literal[MOTIONS] = Field(description='"held", "prescribed" or "free"')
     velocity: Velocity = Field(Signal(), description=VELOCITY)
     angular_velocity: Velocity = Field(Signal(), description=VELOCITY)
@@ -149,6 +169,11 @@ class Particle(Solid):
     def _moves_as_it_may(self) -> "Particle":
         if self.shape == "plane" and self.normal is None and self.orientation is None:
             raise Refusal("normal", MISSING, "a plane needs normal or orientation")
+        for key in SOURCE_KEYS:
+            if getattr(self, key) is not None:
+                raise Refusal(key, getattr(self, key), "it is read by load_case only")
+        if self.shape == "mesh":
+            self._has_its_surface()
         for number, part in enumerate(self.parts or ()):
             if not part.bounded:
                 key, allowed = f"parts.{number}.length", "a part of a union needs an end"
@@ -160,6 +185,15 @@ class Particle(Solid):
                 raise Refusal(key, shown_signal(signal), allowed)
         self._is_free_as_it_may()
         return self
+
+    def _has_its_surface(self) -> None:
+        try:
+            if self.digest is not None and triangles.digest_of(Path(self.file)) != self.digest:
+                allowed = f"the content of {self.file} is another; leave digest out to take it"
+                raise Refusal("digest", self.digest, allowed)
+            build_shape(self)
+        except triangles.SurfaceError as error:
+            raise Refusal("file", self.file, str(error)) from None
 
     def _is_free_as_it_may(self) -> None:
         if self.motion != "free":
@@ -179,7 +213,9 @@ class Particle(Solid):
 
     @property
     def thinnest(self) -> tuple[str, float]:
-        """As of a simple shape; of a union, that of its thinnest part."""
+        """As of a simple shape; of a union, that of its thinnest part; of a mesh, its inside's."""
+        if self.shape == "mesh":
+            return "file", build_shape(self).parts[0].surface.depth
         if self.parts is None:
             return super().thinnest
         sizes = [part.thinnest for part in self.parts]
@@ -188,7 +224,33 @@ class Particle(Solid):
 
 
 def build_shape(particle: Solid) -> shapes.Shape:
-    """The shape of a body in its own frame, which `particle.quaternion` turns into space."""
+    """The shape of a body in its own frame, which `particle.quaternion` turns into space.
+
+    Bodies of the same form share one shape. SurfaceError for an STL file that bounds none.
+    """
+    return _shape_like(FormOf(particle))
+
+
+class FormOf:
+    """A body as the key of its shape: equal for bodies of the same shape and sizes."""
+
+    def __init__(self, particle: Solid):
+        self.particle = particle
+        sizes = (getattr(particle, key, None) for key in SIZE_KEYS if key not in ("axis", "normal"))
+        self._key = (particle.shape, *sizes)
+        if particle.shape == "mesh" and particle.digest is None:
+            self._key += (triangles.digest_of(Path(particle.file)),)
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, FormOf) and self._key == other._key
+
+
+@lru_cache(maxsize=20_000)
+def _shape_like(form: FormOf) -> shapes.Shape:
+    particle = form.particle
     if particle.shape == "union":
         members = [(build_shape(part), part.position, part.quaternion) for part in particle.parts]
         return shapes.union(members)
@@ -199,6 +261,11 @@ def build_shape(particle: Solid) -> shapes.Shape:
         "capsule": lambda: shapes.capsule(particle.radius, particle.length),
         "box": lambda: shapes.box(particle.sides),
         "plane": lambda: shapes.plane(),
+        "mesh": lambda: shapes.mesh(
+            triangles.load_surface(
+                Path(particle.file), particle.scale or 1.0, particle.repair or False
+            )
+        ),
     }
     return makers[particle.shape]()
 

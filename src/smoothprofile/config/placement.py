@@ -17,11 +17,9 @@ ALIGNED = 1e-8
 def check_placement(particles: Sequence[Particle], domain: Domain) -> None:
     """Refusal of the first body that stands where it may not."""
     farthest = float(np.linalg.norm(domain.lengths))
-    forms = [(p.shape, p.radius, p.radii, p.length, p.sides, p.parts) for p in particles]
-    shapes = {form: build_shape(p) for form, p in dict(zip(forms, particles, strict=True)).items()}
     bodies = [
-        Placed(number, particle, shapes[form], farthest)
-        for number, (particle, form) in enumerate(zip(particles, forms, strict=True))
+        Placed(number, particle, build_shape(particle), farthest)
+        for number, particle in enumerate(particles)
     ]
     for body in bodies:
         _check_position(body, domain)

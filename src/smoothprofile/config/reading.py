@@ -13,11 +13,12 @@ from pydantic import ValidationError
 from smoothprofile.config import library
 from smoothprofile.config.case import Case
 from smoothprofile.config.refusals import Refusal, explain, shown
+from smoothprofile.config.sources import expanded
 from smoothprofile.errors import CaseError
 
 Overrides = Mapping[str, Any] | Iterable[str]
 
-LARGEST_FILE = 4 * 2**20
+LARGEST_FILE = 64 * 2**20
 DEEPEST = 12
 # Forty dotted names in a row: the parser takes a time quadratic in their number.
 LONG_KEY = re.compile(r"(?<![^\s.=,\[\]{}#])(?:[^\s.=,\[\]{}#]++[ \t]*+\.[ \t]*+){40}")
@@ -31,15 +32,18 @@ def load_case(source: str | os.PathLike | Mapping | Case, overrides: Overrides =
 
     Overrides are "table.key=value" strings, their values TOML or else bare words, or a dictionary
     {"table.key": value}; particles.0.radius reaches into lists. A built-in name goes before a file
-    of the same name. CaseError, one sentence, for whatever cannot be run.
+    of the same name. Files that a case names lie in the folder of its own file, or of a dictionary
+    in the current one. CaseError, one sentence, for whatever cannot be run.
     """
     data = _plain(_data_of(source))
     for key, value in _pairs(overrides):
         _put(data, key, _plain(value, key))
+    data, origins = expanded(data, _folder_of(source))
     try:
         case = Case.model_validate(data)
     except ValidationError as error:
-        raise CaseError(explain(error, data, Case)) from None
+        sentence = explain(error, data, Case)
+        raise CaseError(origins.told(sentence) if origins else sentence) from None
     names = library.reference_names()
     if case.reference is not None and case.reference not in names:
         raise Refusal("reference", case.reference, f"it must be one of {', '.join(names)}")
@@ -63,6 +67,12 @@ def _data_of(source: Any) -> dict[str, Any]:
     if bare and not os.path.lexists(name):
         library.case_path(name)
     return parse(_text_of(name), name)
+
+
+def _folder_of(source: Any) -> Path:
+    """Where the files lie that the case names."""
+    named = isinstance(source, str | os.PathLike) and os.fspath(source) not in library.case_names()
+    return Path(os.fspath(source)).parent if named else Path()
 
 
 def _text_of(name: str) -> str:

@@ -40,6 +40,10 @@ class Walls:
     def velocity_at(self, axis: int, side: int, time: float) -> tuple[float, float, float]:
         return self.velocity.get(wall_name(axis, side), at_rest)(time)
 
+    def velocities(self, time: float) -> np.ndarray:
+        """(axis, side, 3): the velocities of all walls."""
+        return np.array([[self.velocity_at(d, side, time) for side in range(2)] for d in range(3)])
+
 
 def wall_name(axis: int, side: int) -> str:
     """x_low, x_high, … z_high."""

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from smoothprofile import rotations
+from smoothprofile.parts import table_of
 from smoothprofile.shapes import Shape
+from smoothprofile.surfaces import Samples
 
 
 @dataclass
@@ -60,23 +62,24 @@ class Forms:
     volume: np.ndarray
     centroid: np.ndarray
     inertia: np.ndarray
+    samples: Samples
 
     @classmethod
     def of(cls, shapes: Sequence[Shape], offsets: Sequence[np.ndarray]) -> "Forms":
         """offsets[b] is (parts of b, 2): offset₀ and offset₁ of each part."""
         parts = [part for shape in shapes for part in shape.parts]
         counts = [len(shape.parts) for shape in shapes]
+        table = table_of(parts)
         return cls(
             part_start=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
-            kind=np.array([part.kind for part in parts], dtype=np.int64),
-            size=np.array([part.size for part in parts], dtype=np.float64).reshape(-1, 3),
-            place=np.array([part.position for part in parts], dtype=np.float64).reshape(-1, 3),
-            turn=rotations.matrix(
-                np.array([part.quaternion for part in parts], dtype=np.float64).reshape(-1, 4)
-            ),
+            kind=table.kind,
+            size=table.size,
+            place=table.place,
+            turn=table.turn,
             offset=np.concatenate([np.zeros((0, 2)), *offsets]).reshape(-1, 2),
             extents=np.array([shape.extents for shape in shapes], dtype=np.float64).reshape(-1, 3),
             volume=np.array([s.volume if np.isfinite(s.reach) else np.inf for s in shapes]),
             centroid=np.array([shape.centroid for shape in shapes]).reshape(-1, 3),
             inertia=np.array([shape.inertia for shape in shapes]).reshape(-1, 3, 3),
+            samples=table.samples,
         )

@@ -12,14 +12,18 @@ its inertia taken from the step before. Without it the pressure, which answers a
 step late, would make light bodies unstable: |M_a − C| < M + C must hold, M_a the added mass.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from smoothprofile import rotations
 from smoothprofile.particles.bodies import BodyState
+from smoothprofile.particles.contact import Contact, ContactHistory, driven
 from smoothprofile.particles.inertia import DisplacedFluid
 from smoothprofile.schemes import Scheme
+
+WallVelocity = Callable[[float], np.ndarray]
+"""t -> (axis, side, 3), how the walls slide."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,10 +45,16 @@ class FreeMotion:
     """Places free bodies and finds their velocities."""
 
     def __init__(
-        self, free: FreeBodies, displaced: DisplacedFluid, density: float, state: BodyState
+        self,
+        free: FreeBodies,
+        displaced: DisplacedFluid,
+        density: float,
+        contact: Contact,
+        wall_velocity: WallVelocity,
     ):
         """displaced, density: of the fluid."""
         self.rows, self.density = free.rows, density
+        self.contact, self._wall_velocity = contact, wall_velocity
         volume, inertia = displaced.volume[free.rows], displaced.inertia[free.rows]
         excess = free.density - density
         self._mass = np.maximum(excess, 0.0) * volume
@@ -56,19 +66,25 @@ class FreeMotion:
         # What a checkpoint holds besides the bodies' own state, newest level first.
         self.past_spin: list[np.ndarray] = []
         self.change = np.zeros((free.rows.size, 6))
+        self.contact_history = ContactHistory.none(displaced.volume.size)
+        self.contact_impulse = np.zeros((free.rows.size, 6))
 
-    def place(self, state: BodyState, past: list, dt: float) -> None:
-        """Rⁿ⁺¹ = Rⁿ + Δt(3Vⁿ − Vⁿ⁻¹)/2, and so for the turn; past[0] is level n."""
+    def place(self, state: BodyState, past: list, time: float, since: float) -> None:
+        """Rⁿ⁺¹ = Rⁿ + Δt(3Vⁿ − Vⁿ⁻¹)/2 + contact, and so for the turn; past[0] is level n."""
         if not self.rows.size:
             return
+        dt, history = time - since, self.contact_history
         newer, older = past[0], past[1] if len(past) > 1 else past[0]
-        drift, turn = (
-            dt * (1.5 * new[self.rows] - 0.5 * old[self.rows])
-            for new, old in zip(newer, older, strict=True)
-        )
-        state.position[self.rows] += drift
-        turned = rotations.multiply(rotations.from_vector(turn), state.quaternion[self.rows])
-        state.quaternion[self.rows] = rotations.normalise(turned)
+        gains = (history.velocity_gain, history.spin_gain)
+        velocity, spin = (driven(*levels, dt) for levels in zip(newer, older, gains, strict=True))
+        walls = self._wall_velocity(0.5 * (time + since))
+        moved = self.contact.move(state.position, state.quaternion, velocity, spin, dt, walls)
+        state.position[self.rows] = moved.position[self.rows]
+        state.quaternion[self.rows] = moved.quaternion[self.rows]
+        self.contact_history = moved.history
+        self.contact_impulse = np.concatenate([moved.impulse, moved.angular_impulse], axis=1)[
+            self.rows
+        ]
 
     def remember(self, state: BodyState, levels: int) -> None:
         """Keep the angular momenta of the level that is about to become old."""
@@ -86,7 +102,7 @@ class FreeMotion:
         for weight, old, spin in zip(scheme.past, past, self.past_spin, strict=False):
             known[:, :3] += weight * self._mass[:, None] * old[0][rows]
             known[:, 3:] += weight * spin
-        known += rate * momentum[rows] + dt * self.loads
+        known += rate * momentum[rows] + dt * self.loads + self.contact_impulse
         turn = state.rotation[rows]
         known[:, :3] += self._virtual[:, None] * self.change[:, :3]
         virtual = _turned(turn, self._virtual_inertia)

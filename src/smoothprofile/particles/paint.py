@@ -12,11 +12,12 @@ import numpy as np
 from numba import njit, prange
 
 from smoothprofile.boundaries import FieldBoundary
-from smoothprofile.distances import CAPSULE, ELLIPSOID, curvature, signed_distance
+from smoothprofile.distances import CAPSULE, ELLIPSOID, MESH, curvature, signed_distance
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState, Forms
 from smoothprofile.particles.windows import Windows, windows_around
 from smoothprofile.profiles import Profile, indicator, profile_named
+from smoothprofile.surfaces import sampled_distance
 
 THINNEST = 0.75
 """Cells to ξ (tanh) below which sums over the grid no longer find a volume to 1e-3 of a cell."""
@@ -72,6 +73,7 @@ class Painter:
             f.place,
             f.turn,
             f.offset,
+            f.samples,
             self.profile.code,
             self.thickness,
             self.profile.half_width,
@@ -167,7 +169,8 @@ class Painter:
 @njit(parallel=True, cache=True, error_model="numpy")
 def _paint(
     phi, task, first, count, image, start, px, py, pz, lengths,
-    position, rotation, part_start, kind, size, place, turn, offset, code, xi, half_width,
+    position, rotation, part_start, kind, size, place, turn, offset, samples, code, xi,
+    half_width,
 ):  # fmt: skip
     for t in prange(task.shape[0]):
         b, c, i = task[t]
@@ -181,11 +184,11 @@ def _paint(
             for k in range(nz):
                 z = coordinate(pz, c == 2, first[b, c, 2] + k, image[b, c, 2], lengths[2])
                 z -= position[b, 2]
-                d = _body_distance(
+                d = body_distance(
                     r[0, 0] * x + r[1, 0] * y + r[2, 0] * z,
                     r[0, 1] * x + r[1, 1] * y + r[2, 1] * z,
                     r[0, 2] * x + r[1, 2] * y + r[2, 2] * z,
-                    part_start[b], part_start[b + 1], kind, size, place, turn, offset,
+                    part_start[b], part_start[b + 1], kind, size, place, turn, offset, samples,
                 )  # fmt: skip
                 s = d / xi
                 if s > half_width:
@@ -215,7 +218,7 @@ def wrap(index, n):
 
 
 @njit
-def _body_distance(x, y, z, begin, end, kind, size, place, turn, offset):
+def body_distance(x, y, z, begin, end, kind, size, place, turn, offset, samples=None):
     nearest = math.inf
     for p in range(begin, end):
         m = turn[p]
@@ -223,7 +226,12 @@ def _body_distance(x, y, z, begin, end, kind, size, place, turn, offset):
         a = m[0, 0] * dx + m[1, 0] * dy + m[2, 0] * dz
         b = m[0, 1] * dx + m[1, 1] * dy + m[2, 1] * dz
         c = m[0, 2] * dx + m[1, 2] * dy + m[2, 2] * dz
-        d = signed_distance(kind[p], size[p, 0], size[p, 1], size[p, 2], a, b, c) - offset[p, 0]
+        d = signed_distance(kind[p], size[p, 0], size[p, 1], size[p, 2], a, b, c)
+        # Compiled away where there are no samples.
+        if samples is not None:  # noqa: SIM102
+            if kind[p] >= MESH:
+                d = sampled_distance(samples, kind[p] - MESH, a, b, c)
+        d -= offset[p, 0]
         if offset[p, 1] != 0.0 and (kind[p] == ELLIPSOID or kind[p] == CAPSULE):
             d -= offset[p, 1] * curvature(kind[p], size[p, 0], size[p, 1], size[p, 2], a, b, c)
         nearest = min(nearest, d)

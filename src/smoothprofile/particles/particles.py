@@ -3,7 +3,7 @@
 import numpy as np
 
 from smoothprofile.particles.bodies import BodyState
-from smoothprofile.particles.dynamics import FreeBodies, FreeMotion
+from smoothprofile.particles.dynamics import FreeMotion
 from smoothprofile.particles.inertia import DisplacedFluid
 from smoothprofile.particles.loads import Impulse
 from smoothprofile.particles.motion import PrescribedMotion
@@ -18,28 +18,28 @@ class Particles:
         self,
         state: BodyState,
         motion: PrescribedMotion,
-        free: FreeBodies,
+        free: FreeMotion,
+        displaced: DisplacedFluid,
         painter: Painter,
         impulse: Impulse,
         density: float,
     ):
-        """density: that of the fluid."""
+        """displaced, density: of the fluid."""
         self.state, self.motion, self.painter, self.impulse = state, motion, painter, impulse
         self.density = density
         self.past_velocity: list[tuple[np.ndarray, np.ndarray]] = []
+        self.free, self.displaced = free, displaced
         painter.paint(state)
-        self.displaced = DisplacedFluid.of(painter, state)
-        self.free = FreeMotion(free, self.displaced, density, state)
 
     def move(self, time: float, since: float, levels: int) -> None:
         """To where the bodies are at `time`; `levels` past velocities are kept for the loads."""
         state = self.state
         self.past_velocity.insert(0, (state.velocity.copy(), state.angular_velocity.copy()))
         self.free.remember(state, levels)
-        self.free.place(state, self.past_velocity, time - since)
+        self.free.place(state, self.past_velocity, time, since)
+        self.motion.place(state, time, since)
         # Free bodies are placed from two levels, whatever the scheme.
         del self.past_velocity[max(levels, 2) :]
-        self.motion.place(state, time, since)
 
     def paint(self) -> None:
         self.painter.paint(self.state)

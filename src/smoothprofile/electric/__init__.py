@@ -1,0 +1,1 @@
+"""Dielectric bodies in electric fields, on the staggered grid of the flow."""

@@ -1,0 +1,177 @@
+"""Kernels for φ of one body at a point, its slopes, and how bodies lie over each other.
+
+    A ← A + φ(ε_b − A),   H ← H + φ(1/ε_b − H),   ∇A ← (1 − φ)∇A + (ε_b − A)∇φ
+
+from A = ε_fluid, H = 1/ε_fluid, body after body: the arithmetic permittivity A, the harmonic one
+1/H, and the direction of ∇A. Where bodies overlap a later one covers an earlier one, so that what
+is not fluid never passes one. A coated body is the solid of its shell, followed by its core.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from smoothprofile.particles.paint import body_distance as body_distance
+from smoothprofile.profiles import QUARTIC, QUARTIC_EXCESS, SINE, TANH, indicator
+
+# Steps of the central differences of d, of its gradient, and of φ′, over the layer's thickness:
+# truncation (step·ξ/a)² and round-off 1e-16/step² both stay below 1e-9.
+STEP = 1e-3
+# |d| may change by a little more than the way, where the painted surface is moved by curvature.
+STEEPEST = 1.5
+
+
+@njit(inline="always")
+def level(code, z, half_width):
+    """φ(z), exactly 0 or 1 beyond the half width."""
+    if z > half_width:
+        return 0.0
+    if z < -half_width:
+        return 1.0
+    return indicator(code, z)
+
+
+@njit(inline="always")
+def slope(code, z):
+    """φ′(z)."""
+    if code == TANH:
+        e = math.exp(-2.0 * abs(z))
+        return -2.0 * e / ((1.0 + e) * (1.0 + e))
+    if code == SINE:
+        return -0.5 * math.pi * math.cos(math.pi * min(max(z, -0.5), 0.5))
+    t = min(max(z + (0.5 if code == QUARTIC else 0.5 + QUARTIC_EXCESS), 0.0), 1.0)
+    return -4.0 * t * (1.0 - t * t)
+
+
+@njit
+def distance(b, x, y, z, forms):
+    """Painted signed distance of body b at (x, y, z) from its position, along the box's axes.
+
+    Of a body that fills a periodic axis, the least over its images.
+    """
+    reaches, lengths = forms[7], forms[8]
+    i, j, k = reaches[b]
+    if i < 0 and j < 0 and k < 0:
+        return _distance_of_one(b, x, y, z, forms)
+    x -= lengths[0] * np.rint(x / lengths[0]) if i >= 0 else 0.0
+    y -= lengths[1] * np.rint(y / lengths[1]) if j >= 0 else 0.0
+    z -= lengths[2] * np.rint(z / lengths[2]) if k >= 0 else 0.0
+    i, j, k = max(i, 0), max(j, 0), max(k, 0)
+    nearest = math.inf
+    for u in range(-i, i + 1):
+        for v in range(-j, j + 1):
+            for w in range(-k, k + 1):
+                at = (x + u * lengths[0], y + v * lengths[1], z + w * lengths[2])
+                nearest = min(nearest, _distance_of_one(b, at[0], at[1], at[2], forms))
+    return nearest
+
+
+@njit
+def _distance_of_one(b, x, y, z, forms):
+    rotation, part_start, kind, size, place, turn, offset = forms[:7]
+    r = rotation[b]
+    return body_distance(
+        r[0, 0] * x + r[1, 0] * y + r[2, 0] * z,
+        r[0, 1] * x + r[1, 1] * y + r[2, 1] * z,
+        r[0, 2] * x + r[1, 2] * y + r[2, 2] * z,
+        part_start[b], part_start[b + 1], kind, size, place, turn, offset,
+    )  # fmt: skip
+
+
+@njit
+def normal(b, x, y, z, step, forms):
+    """∇d by central differences."""
+    scale = 0.5 / step
+    return (
+        scale * (distance(b, x + step, y, z, forms) - distance(b, x - step, y, z, forms)),
+        scale * (distance(b, x, y + step, z, forms) - distance(b, x, y - step, z, forms)),
+        scale * (distance(b, x, y, z + step, forms) - distance(b, x, y, z - step, forms)),
+    )
+
+
+@njit
+def bent(b, x, y, z, vx, vy, vz, step, forms):
+    """(∇∇d)·v by central differences of ∇d along v."""
+    size = math.sqrt(vx * vx + vy * vy + vz * vz)
+    if size == 0.0:
+        return 0.0, 0.0, 0.0
+    s = step / size
+    ax, ay, az = normal(b, x + s * vx, y + s * vy, z + s * vz, step, forms)
+    bx, by, bz = normal(b, x - s * vx, y - s * vy, z - s * vz, step, forms)
+    scale = 0.5 / s
+    return scale * (ax - bx), scale * (ay - by), scale * (az - bz)
+
+
+@njit
+def stack(b, x, y, z, meets, position, permittivity, fluid, layer, forms, now):
+    """What φ and ∇φ of body b do to the mixture at a point, given from the body's position.
+
+    now[0:5] becomes A, H, ∇A; now[5], now[6] become ∂A/∂φ_b, ∂H/∂φ_b; now[7:10] ∂(∇A)/∂φ_b;
+    now[10] the factor of ∂(∇A)/∂(∇φ_b); now[11] the share of b in what is not fluid.
+    """
+    code, xi, half_width = layer
+    start, others, shift = meets
+    now[:] = 0.0
+    now[0], now[1] = fluid, 1.0 / fluid
+    below, share, met = 1.0, 0.0, False
+    for m in range(start[b], start[b + 1]):
+        o = others[m]
+        own = o == b and shift[m, 0] == 0.0 and shift[m, 1] == 0.0 and shift[m, 2] == 0.0
+        dx = x + position[b, 0] - position[o, 0] - shift[m, 0]
+        dy = y + position[b, 1] - position[o, 1] - shift[m, 1]
+        dz = z + position[b, 2] - position[o, 2] - shift[m, 2]
+        s = distance(o, dx, dy, dz, forms) / xi
+        if s > half_width:
+            met = met or own
+            continue
+        phi, gx, gy, gz = level(code, s, half_width), 0.0, 0.0, 0.0
+        if s > -half_width:
+            gx, gy, gz = normal(o, dx, dy, dz, STEP * xi, forms)
+            steep = slope(code, s) / xi
+            gx, gy, gz = steep * gx, steep * gy, steep * gz
+        more, less = permittivity[o] - now[0], 1.0 / permittivity[o] - now[1]
+        if own:
+            met, share = True, phi
+            now[5], now[6], now[10] = more, less, more
+            now[7], now[8], now[9] = -now[2], -now[3], -now[4]
+        elif met:
+            now[7] = now[7] * (1.0 - phi) - gx * now[5]
+            now[8] = now[8] * (1.0 - phi) - gy * now[5]
+            now[9] = now[9] * (1.0 - phi) - gz * now[5]
+            now[5] *= 1.0 - phi
+            now[6] *= 1.0 - phi
+            now[10] *= 1.0 - phi
+            share *= 1.0 - phi
+        lay(now, phi, gx, gy, gz, more, less)
+        below *= 1.0 - phi
+    now[11] = share / (1.0 - below) if share > 0.0 else 0.0
+
+
+@njit(inline="always")
+def lay(now, phi, gx, gy, gz, more, less):
+    """One body over what is there: A, H and ∇A at now[0:5]."""
+    now[2] = (1.0 - phi) * now[2] + more * gx
+    now[3] = (1.0 - phi) * now[3] + more * gy
+    now[4] = (1.0 - phi) * now[4] + more * gz
+    now[0] += phi * more
+    now[1] += phi * less
+
+
+WORK = 12
+"""Numbers that `stack` leaves."""
+
+
+def form_arrays(forms, rotation: np.ndarray, reaches: np.ndarray, lengths) -> tuple:
+    """Forms, orientations (n,3,3), and images along the axes, as the kernels take them."""
+    return (
+        np.ascontiguousarray(rotation),
+        forms.part_start,
+        forms.kind,
+        forms.size,
+        forms.place,
+        forms.turn,
+        forms.offset,
+        reaches,
+        np.array(lengths),
+    )
