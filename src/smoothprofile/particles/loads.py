@@ -102,6 +102,10 @@ def _impulse(
             area = sx[int(c == 0), gi] * sy[int(c == 1), gj]
             at = start[b, c] + (i * ny + j) * nz
             for k in range(nz):
+                p = phi[at + k]
+                if p == 0.0:
+                    values[at + k] = 0.0
+                    continue
                 z = coordinate(pz, c == 2, k0 + k, image[b, c, 2], lengths[2]) - position[b, 2]
                 gk = wrap(k0 + k, cells[2])
                 # (Ω×r)_c = Ω_{c+1} r_{c+2} − Ω_{c+2} r_{c+1}
@@ -112,7 +116,7 @@ def _impulse(
                 else:
                     r1, r2 = x, y
                 target = velocity[b, c] + spin1 * r2 - spin2 * r1
-                f = phi[at + k] * (target - field[gi, gj, gk])
+                f = p * (target - field[gi, gj, gk])
                 values[at + k] = f
                 load = f * area * sz[int(c == 2), gk]
                 f0, f1, f2 = f0 + load, f1 + load * r1, f2 + load * r2
@@ -157,6 +161,8 @@ def _momenta(
             area = sx[int(c == 0), gi] * sy[int(c == 1), gj]
             at = start[b, c] + (i * ny + j) * nz
             for k in range(nz):
+                if phi[at + k] == 0.0:
+                    continue
                 z = coordinate(pz, c == 2, k0 + k, image[b, c, 2], lengths[2]) - position[b, 2]
                 gk = wrap(k0 + k, cells[2])
                 if c == 0:

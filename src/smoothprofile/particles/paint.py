@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit, prange
 
 from smoothprofile.boundaries import FieldBoundary
-from smoothprofile.distances import CAPSULE, ELLIPSOID, MESH, curvature, signed_distance
+from smoothprofile.distances import CAPSULE, ELLIPSOID, MESH, SPHERE, curvature, signed_distance
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState, Forms
 from smoothprofile.particles.windows import Windows, windows_around
@@ -176,27 +176,58 @@ def _paint(
         b, c, i = task[t]
         x = coordinate(px, c == 0, first[b, c, 0] + i, image[b, c, 0], lengths[0]) - position[b, 0]
         ny, nz = count[b, c, 1], count[b, c, 2]
-        r = rotation[b]
+        r, begin, end = rotation[b], part_start[b], part_start[b + 1]
+        z = np.empty(nz)
+        for k in range(nz):
+            z[k] = coordinate(pz, c == 2, first[b, c, 2] + k, image[b, c, 2], lengths[2])
+            z[k] -= position[b, 2]
+        ball = end - begin == 1 and kind[begin] == SPHERE
+        if ball:
+            # Only its distance counts, so that the body need not be turned.
+            shift = r @ place[begin]
+            radius = size[begin, 0] + offset[begin, 0]
         for j in range(ny):
             y = coordinate(py, c == 1, first[b, c, 1] + j, image[b, c, 1], lengths[1])
             y -= position[b, 1]
             at = start[b, c] + (i * ny + j) * nz
+            row = phi[at : at + nz]
+            if ball:
+                across = (x - shift[0]) ** 2 + (y - shift[1]) ** 2
+                _ball_row(row, z, shift[2], across, radius, code, xi, half_width)
+                continue
             for k in range(nz):
-                z = coordinate(pz, c == 2, first[b, c, 2] + k, image[b, c, 2], lengths[2])
-                z -= position[b, 2]
                 d = body_distance(
-                    r[0, 0] * x + r[1, 0] * y + r[2, 0] * z,
-                    r[0, 1] * x + r[1, 1] * y + r[2, 1] * z,
-                    r[0, 2] * x + r[1, 2] * y + r[2, 2] * z,
-                    part_start[b], part_start[b + 1], kind, size, place, turn, offset, samples,
+                    r[0, 0] * x + r[1, 0] * y + r[2, 0] * z[k],
+                    r[0, 1] * x + r[1, 1] * y + r[2, 1] * z[k],
+                    r[0, 2] * x + r[1, 2] * y + r[2, 2] * z[k],
+                    begin, end, kind, size, place, turn, offset, samples,
                 )  # fmt: skip
-                s = d / xi
-                if s > half_width:
-                    phi[at + k] = 0.0
-                elif s < -half_width:
-                    phi[at + k] = 1.0
-                else:
-                    phi[at + k] = indicator(code, s)
+                row[k] = _cut_off(code, d / xi, half_width)
+
+
+@njit
+def _ball_row(row, z, centre, across, radius, code, xi, half_width):
+    """φ of a sphere along z: most points need no root."""
+    outer = radius + half_width * xi
+    inner = max(0.0, radius - half_width * xi)
+    for k in range(z.size):
+        square = across + (z[k] - centre) ** 2
+        if square >= outer * outer:
+            row[k] = 0.0
+        elif square < inner * inner:
+            row[k] = 1.0
+        else:
+            row[k] = _cut_off(code, (math.sqrt(square) - radius) / xi, half_width)
+
+
+@njit(inline="always")
+def _cut_off(code, s, half_width):
+    """φ(s), 0 and 1 beyond the layer."""
+    if s > half_width:
+        return 0.0
+    if s < -half_width:
+        return 1.0
+    return indicator(code, s)
 
 
 @njit(inline="always")
