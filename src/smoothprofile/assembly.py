@@ -19,6 +19,7 @@ from smoothprofile.particles.paint import Painter
 from smoothprofile.particles.particles import Particles
 from smoothprofile.profiles import profile_named
 from smoothprofile.schemes import scheme_named
+from smoothprofile.shapes import touching
 
 
 def build_grid(domain: Domain) -> Grid:
@@ -107,7 +108,9 @@ def build_particles(
     )
     density = case.fluid.density
     displaced = DisplacedFluid.of(painter, state)
-    contact = build_contact(case, flow.grid, painter.forms, displaced, free, speed)
+    solid = [touching(shape) for shape in shapes]
+    forms = Forms.of(solid, [np.zeros((len(shape.parts), 2)) for shape in solid])
+    contact = build_contact(case, flow.grid, forms, displaced, free, speed)
     walls = flow.parameters.walls
     moving = FreeMotion(free, displaced, density, contact, walls.velocities)
     return Particles(state, motion, moving, displaced, painter, Impulse(flow.grid), density)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from smoothprofile import rotations
+from smoothprofile.balls import filling_balls
 from smoothprofile.distances import (
     BOX,
     CAPSULE,
@@ -150,6 +151,21 @@ def union(members: Sequence[tuple[Shape, ArrayLike, ArrayLike]]) -> Shape:
             turned = rotations.multiply(turn, part.quaternion)
             parts.append(replace(part, position=at, quaternion=turned))
     return _assemble("union", tuple(parts))
+
+
+def touching(shape: Shape) -> Shape:
+    """The same body for contact: triangulated parts are the balls that fill them."""
+    if all(part.surface is None for part in shape.parts):
+        return shape
+    parts = []
+    for part in shape.parts:
+        if part.surface is None:
+            parts.append(part)
+            continue
+        for *centre, radius in filling_balls(part):
+            at = part.position + rotations.rotate(part.quaternion, centre)
+            parts.append(Part(SPHERE, (radius, 0.0, 0.0), at))
+    return replace(shape, parts=tuple(parts))
 
 
 def centred(shape: Shape) -> Shape:

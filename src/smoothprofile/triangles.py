@@ -134,7 +134,7 @@ def _check_triangles(vertices: np.ndarray, faces: np.ndarray) -> None:
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     flat = np.flatnonzero(area <= SLIVER * np.sum(sides**2, axis=2).max(axis=0))
     if flat.size:
-        raise SurfaceError(f"{_count(flat.size, 'triangle')} of it without area; {OFFER}")
+        raise SurfaceError(f"{_count(flat.size, 'triangle')} without area; {OFFER}")
 
 
 def _check_edges(faces: np.ndarray) -> None:
@@ -150,7 +150,7 @@ def _check_edges(faces: np.ndarray) -> None:
         raise SurfaceError(f"its surface is open along {edges}; it must be closed, and {OFFER}")
     if many:
         raise SurfaceError(
-            f"{_count(many, 'edge')} of it shared by more than two triangles; it must bound one "
+            f"{_count(many, 'edge')} shared by more than two triangles; it must bound one "
             f"solid, and {OFFER}"
         )
     if np.any(balance):
@@ -181,4 +181,4 @@ def _repaired(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def _count(number: int, thing: str) -> str:
-    return f"{number} {thing} is" if number == 1 else f"{number} {thing}s are"
+    return f"{number} {thing} of it is" if number == 1 else f"{number} {thing}s of it are"

@@ -11,6 +11,7 @@ STUDIES: dict[str, str] = {
     "stokes-layer": "An oscillating flat wall: amplitude and phase (thesis 3.2)",
     "dipole": "A dielectric sphere in a uniform field (thesis 4.1)",
     "sphere-force": "A dielectric sphere in a non-uniform field (thesis 4.2)",
+    "lattice": "A periodic lattice of dielectric spheres (thesis 4.3)",
     "profiles": "Which profile and smoothing of permittivity is most accurate",
 }
 """Name -> what it is about. The function `run` of the file of that name does it."""
