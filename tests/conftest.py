@@ -7,6 +7,8 @@ os.environ.setdefault("NUMBA_NUM_THREADS", str(max(4, os.cpu_count() or 1)))
 
 import pytest
 
+from smoothprofile.cli import app
+from smoothprofile.console import PREPARING
 from smoothprofile.threads import set_thread_count
 
 
@@ -16,3 +18,18 @@ def one_thread():
     set_thread_count(1)
     yield
     set_thread_count(1)
+
+
+@pytest.fixture
+def spm(capsys, tmp_path, monkeypatch):
+    """Run a command in an empty folder; returns exit code, standard output and error."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        with pytest.raises(SystemExit) as end:
+            app([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        # Where nothing is compiled yet, the first run says that it takes long.
+        return end.value.code or 0, out, err.replace(PREPARING + "\n", "")
+
+    return call

@@ -13,8 +13,6 @@ from pathlib import Path
 import pytest
 
 from smoothprofile import __version__
-from smoothprofile.cli import app
-from smoothprofile.console import PREPARING
 from smoothprofile.output import read_run
 
 CASE = """\
@@ -91,21 +89,6 @@ position = [2.0, 3.2, 2.0]
 README = Path(__file__).parent.parent / "README.md"
 
 MAIN = "from smoothprofile.cli import main; main()"
-
-
-@pytest.fixture
-def spm(capsys, tmp_path, monkeypatch):
-    """Run a command in an empty folder; returns exit code, standard output and error."""
-    monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        with pytest.raises(SystemExit) as end:
-            app([str(argument) for argument in arguments])
-        out, err = capsys.readouterr()
-        # Where nothing is compiled yet, the first run says that it takes long.
-        return end.value.code or 0, out, err.replace(PREPARING + "\n", "")
-
-    return call
 
 
 @pytest.fixture
