@@ -435,9 +435,13 @@ def test_what_the_readme_shows_works(spm, case, tmp_path, capsys):
     blocks = re.findall(
         r"```(toml|python)\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL
     )
-    assert [language for language, _ in blocks] == ["toml", "python"]
+    assert [language for language, _ in blocks] == ["toml", "python", "python"]
     case.write_text(blocks[0][1], encoding="utf-8")
     code, out, err = spm("run", case, "--set", "time.max_steps=1", "--json")
     assert (code, err, json.loads(out)["status"]) == (0, "", "max_steps")
     exec(compile(blocks[1][1], str(README), "exec"), {})
     assert "[" in capsys.readouterr().out
+    found: dict = {}
+    exec(compile(blocks[2][1], str(README), "exec"), found)
+    # What it says in its comment.
+    assert found["tensor"].diagonal() == pytest.approx(1.53, abs=0.005)

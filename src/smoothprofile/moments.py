@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 
-from smoothprofile import rotations
 from smoothprofile.distances import BOX, CYLINDER, ELLIPSOID, SPHERE
 from smoothprofile.parts import Part, distance
 
@@ -22,7 +21,7 @@ def mass_properties(parts: tuple[Part, ...]) -> tuple[float, np.ndarray, np.ndar
         return math.inf, np.zeros(3), np.diag(np.full(3, math.inf))
     volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
     for i, part in enumerate(parts):
-        turn, at = rotations.matrix(part.quaternion), part.position
+        turn, at = part.matrix, part.position
         own_volume, own_first, own_second = _turned(_own_moments(part), turn)
         shared_volume, shared_first, shared_second = _shared_moments(part, parts[:i])
         volume += own_volume - shared_volume

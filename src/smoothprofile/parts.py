@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -54,15 +55,21 @@ class Part:
     def bounded(self) -> bool:
         return self.kind != PLANE and bool(np.all(np.isfinite(self.size)))
 
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """R(q), (3, 3)."""
+        # Most parts are not turned, and cases may have many thousands.
+        return np.eye(3) if self.quaternion[0] == 1.0 else rotations.matrix(self.quaternion)
+
     @property
     def half_extents(self) -> np.ndarray:
         """hᵢ = max |eᵢ·R x′| over the part: half the box along the body's axes around X, (3,)."""
         if self.surface is not None:
             return np.max(np.abs(self.box), axis=0)
-        tilt = np.abs(rotations.matrix(self.quaternion))
         radius, half_length = self.size[0], self.size[1]
         if self.kind == SPHERE:
             return np.full(3, radius)
+        tilt = np.abs(self.matrix)
         if self.kind == ELLIPSOID:
             return np.sqrt(tilt**2 @ self.size**2)
         if self.kind == BOX:
@@ -78,8 +85,9 @@ class Part:
     def box(self) -> tuple[np.ndarray, np.ndarray]:
         """min and max of eᵢ·R x′ over the part, (3,) each: a box along the body's axes, from X."""
         if self.surface is None:
-            return -self.half_extents, self.half_extents
-        corners = self.surface.vertices @ rotations.matrix(self.quaternion).T
+            half = self.half_extents
+            return -half, half
+        corners = self.surface.vertices @ self.matrix.T
         return corners.min(axis=0), corners.max(axis=0)
 
     @property
