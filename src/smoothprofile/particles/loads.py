@@ -80,6 +80,17 @@ def _gather(task: np.ndarray, sums: np.ndarray, count: int) -> tuple[np.ndarray,
     return force, torque
 
 
+@njit
+def _along_z(points, sizes, on_face, first, count, image, length, centre):
+    """Coordinate from the body's centre, size and padded index of the points of a row."""
+    z, size, index = np.empty(count), np.empty(count), np.empty(count, np.int64)
+    for k in range(count):
+        index[k] = wrap(first + k, points.shape[1] - 2)
+        z[k] = coordinate(points, on_face, first + k, image, length) - centre
+        size[k] = sizes[int(on_face), index[k]]
+    return z, size, index
+
+
 @njit(parallel=True, cache=True)
 def _impulse(
     values, sums, phi, task, first, count, image, start, px, py, pz, lengths, sx, sy, sz,
@@ -93,6 +104,7 @@ def _impulse(
         ny, nz = count[b, c, 1], count[b, c, 2]
         x = coordinate(px, c == 0, i0 + i, image[b, c, 0], lengths[0]) - position[b, 0]
         gi = wrap(i0 + i, cells[0])
+        z, dz, gk = _along_z(pz, sz, c == 2, k0, nz, image[b, c, 2], lengths[2], position[b, 2])
         c1, c2 = (c + 1) % 3, (c + 2) % 3
         spin1, spin2 = spin[b, c1], spin[b, c2]
         f0, f1, f2 = 0.0, 0.0, 0.0
@@ -101,24 +113,23 @@ def _impulse(
             gj = wrap(j0 + j, cells[1])
             area = sx[int(c == 0), gi] * sy[int(c == 1), gj]
             at = start[b, c] + (i * ny + j) * nz
+            row = field[gi, gj]
             for k in range(nz):
                 p = phi[at + k]
                 if p == 0.0:
                     values[at + k] = 0.0
                     continue
-                z = coordinate(pz, c == 2, k0 + k, image[b, c, 2], lengths[2]) - position[b, 2]
-                gk = wrap(k0 + k, cells[2])
                 # (Ω×r)_c = Ω_{c+1} r_{c+2} − Ω_{c+2} r_{c+1}
                 if c == 0:
-                    r1, r2 = y, z
+                    r1, r2 = y, z[k]
                 elif c == 1:
-                    r1, r2 = z, x
+                    r1, r2 = z[k], x
                 else:
                     r1, r2 = x, y
                 target = velocity[b, c] + spin1 * r2 - spin2 * r1
-                f = p * (target - field[gi, gj, gk])
+                f = p * (target - row[gk[k]])
                 values[at + k] = f
-                load = f * area * sz[int(c == 2), gk]
+                load = f * area * dz[k]
                 f0, f1, f2 = f0 + load, f1 + load * r1, f2 + load * r2
         sums[t, 0], sums[t, 1], sums[t, 2] = f0, f1, f2
 
@@ -153,6 +164,7 @@ def _momenta(
         ny, nz = count[b, c, 1], count[b, c, 2]
         x = coordinate(px, c == 0, i0 + i, image[b, c, 0], lengths[0]) - position[b, 0]
         gi = wrap(i0 + i, cells[0])
+        z, dz, gk = _along_z(pz, sz, c == 2, k0, nz, image[b, c, 2], lengths[2], position[b, 2])
         m, s1, s2, q11, q12, q22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         p, p1, p2 = 0.0, 0.0, 0.0
         for j in range(ny):
@@ -160,23 +172,22 @@ def _momenta(
             gj = wrap(j0 + j, cells[1])
             area = sx[int(c == 0), gi] * sy[int(c == 1), gj]
             at = start[b, c] + (i * ny + j) * nz
+            row = field[gi, gj]
             for k in range(nz):
                 if phi[at + k] == 0.0:
                     continue
-                z = coordinate(pz, c == 2, k0 + k, image[b, c, 2], lengths[2]) - position[b, 2]
-                gk = wrap(k0 + k, cells[2])
                 if c == 0:
-                    r1, r2 = y, z
+                    r1, r2 = y, z[k]
                 elif c == 1:
-                    r1, r2 = z, x
+                    r1, r2 = z[k], x
                 else:
                     r1, r2 = x, y
-                weight = phi[at + k] * area * sz[int(c == 2), gk]
+                weight = phi[at + k] * area * dz[k]
                 m, s1, s2 = m + weight, s1 + weight * r1, s2 + weight * r2
                 q11 += weight * r1 * r1
                 q12 += weight * r1 * r2
                 q22 += weight * r2 * r2
-                load = weight * field[gi, gj, gk]
+                load = weight * row[gk[k]]
                 p, p1, p2 = p + load, p1 + load * r1, p2 + load * r2
         sums[t, 0], sums[t, 1], sums[t, 2] = m, s1, s2
         sums[t, 3], sums[t, 4], sums[t, 5] = q11, q12, q22
