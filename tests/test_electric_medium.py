@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import trimesh
 
 from dielectrics import UPRIGHT, lattice_radius
 from smoothprofile import calibration, shapes
@@ -11,6 +12,7 @@ from smoothprofile.electric.response import effective_permittivity
 from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid, uniform_axis
 from smoothprofile.particles.bodies import bodies_at
+from smoothprofile.triangles import load_surface
 
 
 def unit_cube(cells):
@@ -71,3 +73,11 @@ def test_bad_permittivities_are_refused():
     for value in (0.0, -1.0):
         with pytest.raises(CaseError, match="permittivity"):
             dielectric_medium(unit_cube(8), [shapes.sphere(0.3)], [value])
+
+
+def test_a_mesh_has_no_permittivity(tmp_path):
+    """Its distance is sampled where it is painted for the flow; here it would be no number."""
+    trimesh.creation.box((0.5, 0.5, 0.5)).export(tmp_path / "box.stl")
+    block = shapes.mesh(load_surface(tmp_path / "box.stl"))
+    with pytest.raises(CaseError, match="triangulated surface"):
+        dielectric_medium(unit_cube(8), [block], [4.0])

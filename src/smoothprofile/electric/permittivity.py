@@ -20,6 +20,7 @@ import numpy as np
 from numba import njit, prange
 
 from smoothprofile.boundaries import pressure_boundary
+from smoothprofile.distances import MESH
 from smoothprofile.electric.layers import STEEPEST, STEP, distance, form_arrays, lay, level, normal
 from smoothprofile.electric.layers import slope as profile_slope
 from smoothprofile.electric.windows import Boxes, boxes_around
@@ -58,6 +59,8 @@ class Permittivity:
             raise CaseError(
                 f"electric.smoothing is {smoothing!r}; it must be one of {', '.join(SMOOTHINGS)}."
             )
+        if np.any(forms.kind >= MESH):
+            raise CaseError("a triangulated surface cannot have a permittivity.")
         self.permittivity = np.array(permittivity, dtype=np.float64)
         self.fluid, self.smoothing = float(fluid), smoothing
         for value in (*self.permittivity, self.fluid):
