@@ -60,3 +60,14 @@ def test_a_sphere_falls_at_its_terminal_velocity(density):
     assert run.bodies.state.velocity[0, 2] == pytest.approx(terminal, rel=0.03)
     weight = (density - 1) * 4 / 3 * math.pi
     assert run.bodies.state.force[0, 2] == pytest.approx(weight, rel=0.03)
+
+
+def test_the_table_tells_of_a_few_bodies_and_counts_the_rest():
+    lattice = [free([1 + 2 * i, 1 + 2 * j, 1 + 2 * k], 2.0)
+               for i in range(2) for j in range(2) for k in range(2)]  # fmt: skip
+    run = simulation(*lattice, gravity=[0.0, 0.0, -1.0], mean_velocity=STILL)
+    steps(run, 2)
+    table = {name: (value, note) for name, value, note in run.table()}
+    assert sum(name.startswith("velocity of") for name in table) == 6
+    assert table["other bodies"] == ("2", "see particles.csv")
+    assert table["mean velocity"][1] == "of all 8 bodies"

@@ -7,6 +7,8 @@ import numpy as np
 if TYPE_CHECKING:
     from smoothprofile.simulation import Simulation
 
+MOST_BODIES = 6
+
 
 def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
     """The result as rows quantity, value, note, for people."""
@@ -19,16 +21,14 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
         shift = _round(pairing.shift, 4)
         note = f"best {pairing.best_ratio:.4f}; a flat wall retreats {shift:.4f} ξ"
         rows.append(("√(νΔt)/ξ", f"{pairing.ratio:.4f}", note))
-    for body in run.particles:
-        name, inside = body["name"], body["interior_velocity"] - body["velocity"]
-        rows += [
-            (f"force on {name}", _vector(body["force"]), ""),
-            (f"torque on {name}", _vector(body["torque"]), "about its position"),
-            (f"surface of {name}", f"{body['painted_offset']:+.5f}", "painted outward by"),
-        ]
-        if body["shape"] != "plane":
-            slip = f"{np.linalg.norm(inside):.3g}"
-            rows.append((f"slip inside {name}", slip, "at its centre; 0 is exact"))
+    bodies = run.particles
+    for body, particle in zip(bodies[:MOST_BODIES], run.case.particles, strict=False):
+        rows += _of_body(body, particle.motion == "free")
+    if len(bodies) > MOST_BODIES:
+        mean = np.mean([body["velocity"] for body in bodies], axis=0)
+        rows.append(("mean velocity", _vector(mean), f"of all {len(bodies)} bodies"))
+        left = len(bodies) - MOST_BODIES
+        rows.append(("other bodies", str(left), "see particles.csv"))
     rows.append(("force on the walls", _vector(summary["wall_force"]["total"]), ""))
     if run.flow.mean_flow.targets:
         rows.append(("driving force", _vector(run.driving_force), "per unit volume"))
@@ -37,6 +37,22 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
         ("rate of change", f"{summary['change_rate']:.2g}", "max|∂u/∂t|/max|u|"),
         ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
     ]
+    return rows
+
+
+def _of_body(body: dict, free: bool) -> list[tuple[str, str, str]]:
+    name, inside = body["name"], body["interior_velocity"] - body["velocity"]
+    rows = [
+        (f"force on {name}", _vector(body["force"]), ""),
+        (f"torque on {name}", _vector(body["torque"]), "about its position"),
+        (f"surface of {name}", f"{body['painted_offset']:+.5f}", "painted outward by"),
+    ]
+    if free:
+        rows.insert(0, (f"velocity of {name}", _vector(body["velocity"]), "at the end"))
+        rows.insert(1, (f"place of {name}", _vector(body["position"]), "its centre of mass"))
+    if body["shape"] != "plane":
+        slip = f"{np.linalg.norm(inside):.3g}"
+        rows.append((f"slip inside {name}", slip, "at its centre; 0 is exact"))
     return rows
 
 
