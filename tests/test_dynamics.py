@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from coupled import SCHEMES, momentum, simulation, sphere, steps
+from smoothprofile.errors import CaseError
 
 STILL = {"x": 0.0, "y": 0.0, "z": 0.0}
 
@@ -71,3 +72,19 @@ def test_the_table_tells_of_a_few_bodies_and_counts_the_rest():
     assert sum(name.startswith("velocity of") for name in table) == 6
     assert table["other bodies"] == ("2", "see particles.csv")
     assert table["mean velocity"][1] == "of all 8 bodies"
+
+
+def test_a_free_body_that_starts_spinning_is_painted_for_its_drag():
+    """Only one that is turned in its place, as prescribed, is painted for its torque."""
+    spin = {"angular_velocity": [0.0, 0.0, 1.0]}
+    offsets = [
+        simulation(body).particles[0]["painted_offset"]
+        for body in (free([2, 2, 2], 2.0), free([2, 2, 2], 2.0, **spin), sphere([2, 2, 2], **spin))
+    ]
+    assert offsets[0] == offsets[1]
+    assert offsets[2] != pytest.approx(offsets[0], rel=0.01)
+
+
+def test_a_free_body_takes_no_course():
+    with pytest.raises(CaseError, match=r"'bead', which moves freely"):
+        simulation(free([2, 2, 2], 2.0, name="bead"), courses={"bead": None})

@@ -82,13 +82,9 @@ def build_particles(
     speed: how fast bodies are expected to move, at most.
     """
     shapes = [body_shape(particle) for particle in case.particles]
-    turning = [
-        bool(p.angular_velocity.maximum.any()) and not p.velocity.maximum.any()
-        for p in case.particles
-    ]
     offsets = [
-        surface_offsets(case, shape, step, spins)
-        for shape, spins in zip(shapes, turning, strict=True)
+        surface_offsets(case, shape, step, particle.only_turns)
+        for shape, particle in zip(shapes, case.particles, strict=True)
     ]
     state = bodies_at(
         [start_position(p) for p in case.particles],

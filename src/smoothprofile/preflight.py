@@ -145,9 +145,8 @@ def _surfaces(case: Case, pairing: Pairing) -> list[Check]:
     seen = set()
     for particle in case.particles:
         shape = build_shape(particle)
-        turning = particle.angular_velocity.maximum.any() and not particle.velocity.maximum.any()
-        offset = surface_offsets(case, shape, pairing.step, bool(turning))
-        key = (particle.shape, particle.thinnest[1], bool(turning), offset.tobytes())
+        offset = surface_offsets(case, shape, pairing.step, particle.only_turns)
+        key = (particle.shape, particle.thinnest[1], particle.only_turns, offset.tobytes())
         if key in seen:
             continue
         seen.add(key)

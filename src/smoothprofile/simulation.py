@@ -151,6 +151,8 @@ class Simulation:
         for name in self._courses:
             if name not in names:
                 raise CaseError(f"courses names {name!r}; the bodies are {', '.join(names)}.")
+            if self.case.particles[names.index(name)].motion == "free":
+                raise CaseError(f"courses names {name!r}, which moves freely and takes no course.")
         return {names.index(name): course for name, course in self._courses.items()}
 
     def _record(self) -> None:

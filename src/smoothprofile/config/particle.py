@@ -212,6 +212,12 @@ class Particle(Solid):
                 raise Refusal(key, {"amplitude": getattr(self, key).amplitude}, allowed)
 
     @property
+    def only_turns(self) -> bool:
+        """Whether it turns, as prescribed, and stays: its torque then counts, not its drag."""
+        given = self.motion == "prescribed" and self.angular_velocity.maximum.any()
+        return bool(given and not self.velocity.maximum.any())
+
+    @property
     def thinnest(self) -> tuple[str, float]:
         """As of a simple shape; of a union, that of its thinnest part; of a mesh, its inside's."""
         if self.shape == "mesh":

@@ -80,6 +80,14 @@ def _gather(task: np.ndarray, sums: np.ndarray, count: int) -> tuple[np.ndarray,
     return force, torque
 
 
+@njit(inline="always")
+def _arms(component, x, y, z):
+    """The coordinates along the axes c+1 and c+2."""
+    if component == 0:
+        return y, z
+    return (z, x) if component == 1 else (x, y)
+
+
 @njit
 def _along_z(points, sizes, on_face, first, count, image, length, centre):
     """Coordinate from the body's centre, size and padded index of the points of a row."""
@@ -119,13 +127,8 @@ def _impulse(
                 if p == 0.0:
                     values[at + k] = 0.0
                     continue
+                r1, r2 = _arms(c, x, y, z[k])
                 # (Ω×r)_c = Ω_{c+1} r_{c+2} − Ω_{c+2} r_{c+1}
-                if c == 0:
-                    r1, r2 = y, z[k]
-                elif c == 1:
-                    r1, r2 = z[k], x
-                else:
-                    r1, r2 = x, y
                 target = velocity[b, c] + spin1 * r2 - spin2 * r1
                 f = p * (target - row[gk[k]])
                 values[at + k] = f
@@ -176,12 +179,7 @@ def _momenta(
             for k in range(nz):
                 if phi[at + k] == 0.0:
                     continue
-                if c == 0:
-                    r1, r2 = y, z[k]
-                elif c == 1:
-                    r1, r2 = z[k], x
-                else:
-                    r1, r2 = x, y
+                r1, r2 = _arms(c, x, y, z[k])
                 weight = phi[at + k] * area * dz[k]
                 m, s1, s2 = m + weight, s1 + weight * r1, s2 + weight * r2
                 q11 += weight * r1 * r1
