@@ -14,7 +14,9 @@ os.environ.setdefault("GOMP_SPINCOUNT", "0")
 if TYPE_CHECKING:
     from smoothprofile import calibration, shapes, threads
     from smoothprofile.config import Case, load_case
+    from smoothprofile.electrostatics import Electrostatics
     from smoothprofile.errors import BlowUpError, CaseError
+    from smoothprofile.runs import from_file
     from smoothprofile.signals import Signal
     from smoothprofile.simulation import Simulation
 
@@ -24,8 +26,10 @@ _HOMES = {
     "BlowUpError": "errors",
     "Case": "config",
     "CaseError": "errors",
+    "Electrostatics": "electrostatics",
     "Signal": "signals",
     "Simulation": "simulation",
+    "from_file": "runs",
     "load_case": "config",
 }
 _MODULES = ("calibration", "shapes", "threads")
@@ -34,10 +38,12 @@ __all__ = [
     "BlowUpError",
     "Case",
     "CaseError",
+    "Electrostatics",
     "Signal",
     "Simulation",
     "__version__",
     "calibration",
+    "from_file",
     "load_case",
     "shapes",
     "threads",

@@ -1,15 +1,29 @@
-"""From a case to the parts that run it: grid, flow, particles."""
+"""From a case to the parts that run it: grid, flow, particles, field."""
 
 import numpy as np
 
 from smoothprofile import rotations
-from smoothprofile.config import AXES, Case, Domain, Faces, Focus, body_shape, start_position
+from smoothprofile.config import (
+    AXES,
+    SPECTRAL,
+    Case,
+    Domain,
+    Electric,
+    Faces,
+    Focus,
+    body_shape,
+    start_position,
+)
+from smoothprofile.electric.field import Drive, ResolvedField
+from smoothprofile.electric.medium import default_thickness, dielectric_medium
+from smoothprofile.electric.potential import electrode_field
+from smoothprofile.electric.spectral_field import SpectralField
 from smoothprofile.flow.advance import Flow, FlowParameters
 from smoothprofile.flow.state import FlowState, fluid_at_rest
 from smoothprofile.flow.walls import Walls
 from smoothprofile.grid import Axis, Grid, stretched_axis, uniform_axis
 from smoothprofile.pairing import surface_offsets
-from smoothprofile.particles.bodies import Forms, bodies_at
+from smoothprofile.particles.bodies import BodyState, Forms, bodies_at
 from smoothprofile.particles.contact import Contact, default_parameters
 from smoothprofile.particles.dynamics import FreeBodies, FreeMotion
 from smoothprofile.particles.inertia import DisplacedFluid
@@ -86,10 +100,7 @@ def build_particles(
         surface_offsets(case, shape, step, particle.only_turns)
         for shape, particle in zip(shapes, case.particles, strict=True)
     ]
-    state = bodies_at(
-        [start_position(p) for p in case.particles],
-        [rotations.normalise(p.quaternion) for p in case.particles],
-    )
+    state = starting_state(case)
     free = free_bodies(case)
     motion = PrescribedMotion(
         state,
@@ -110,6 +121,55 @@ def build_particles(
     walls = flow.parameters.walls
     moving = FreeMotion(free, displaced, density, contact, walls.velocities)
     return Particles(state, motion, moving, displaced, painter, Impulse(flow.grid), density)
+
+
+def starting_state(case: Case) -> BodyState:
+    """Where the bodies of a case are at time 0, at rest."""
+    return bodies_at(
+        [start_position(p) for p in case.particles],
+        [rotations.normalise(p.quaternion) for p in case.particles],
+    )
+
+
+def build_field(case: Case, grid: Grid) -> ResolvedField | SpectralField:
+    """The electric field of a case, not yet solved."""
+    electric = case.electric
+    shapes = [body_shape(particle) for particle in case.particles]
+    values = [particle.permittivity for particle in case.particles]
+    drive, ends = _drive(electric, grid)
+    limits = (electric.tolerance, electric.max_iterations)
+    if electric.discretisation == SPECTRAL:
+        layer = (profile_named(electric.profile), layer_thickness(electric, grid))
+        return SpectralField(
+            grid, shapes, values, electric.permittivity, *layer, drive, electric.method, *limits
+        )
+    medium = dielectric_medium(
+        grid,
+        shapes,
+        values,
+        electric.permittivity,
+        electric.profile,
+        layer_thickness(electric, grid),
+        electric.smoothing,
+        electric.retract,
+    )
+    return ResolvedField(medium, drive, ends, *limits)
+
+
+def layer_thickness(electric: Electric, grid: Grid) -> float:
+    """ξ of the smoothed permittivity."""
+    return electric.thickness or default_thickness(grid)
+
+
+def _drive(electric: Electric, grid: Grid) -> tuple[Drive, int | None]:
+    """What drives the field, and the axis of the electrodes."""
+    ends = electric.electrodes
+    if ends is None:
+        return Drive(electric.field), None
+    axis = AXES.index(ends.axis)
+    between = electrode_field(grid, axis, ends.low, ends.high)
+    field = tuple(given + part for given, part in zip(electric.field, between, strict=True))
+    return Drive(field, 0.5 * (ends.low + ends.high)), axis
 
 
 def free_bodies(case: Case) -> FreeBodies:

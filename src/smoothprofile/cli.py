@@ -114,12 +114,12 @@ def check(
     """Say what a case amounts to, before hours are spent on it."""
     with exit_codes(json):
         from smoothprofile.config import load_case
-        from smoothprofile.simulation import Simulation
+        from smoothprofile.runs import run_of
 
         check_free(out)
         loaded = load_case(case, set_ or [])
         _use(threads)
-        simulation = Simulation(loaded)
+        simulation = run_of(loaded)
         rows = simulation.preflight()
         if answer({"title": simulation.case.title, "checks": rows}, json, out):
             heads = ("check", "value", "limit or best", "verdict", "note")
@@ -144,20 +144,20 @@ def run(
         from smoothprofile.config import load_case
         from smoothprofile.output import RunDirectory, next_free_directory
         from smoothprofile.report import write_report
-        from smoothprofile.simulation import Simulation
+        from smoothprofile.runs import Run, run_of
 
         check_free(out, "output directory")
         loaded = load_case(case, set_ or [])
         _use(threads)
         with Watcher(quiet=json) as watcher:
-            simulation = Simulation(loaded)
+            simulation = run_of(loaded)
             for row in simulation.preflight():
                 if row["verdict"] == "warn":
                     say("Note: {name} is {value:.3g}, against {limit:.3g}: {note}.".format(**row))
             path = out or next_free_directory("runs", Path(case).stem)
             directory = RunDirectory(path, simulation.case.to_toml(), simulation.preflight())
 
-            def observe(running: Simulation) -> None:
+            def observe(running: Run) -> None:
                 watcher(running)
                 if running is simulation:
                     directory.record(running)

@@ -20,7 +20,7 @@ from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.jsontext import to_json
 
 if TYPE_CHECKING:
-    from smoothprofile.simulation import Simulation
+    from smoothprofile.runs import Run
 
 DONE, BAD_INPUT, BLEW_UP, STOPPED = 0, 2, 3, 4
 SECONDS_BETWEEN_LINES = 5.0
@@ -142,8 +142,10 @@ class Watcher:
         if self._live:
             self._bar.stop()
 
-    def __call__(self, simulation: "Simulation") -> None:
+    def __call__(self, simulation: "Run") -> None:
         self._patience.cancel()
+        if simulation.case.time is None:
+            return
         end = simulation.case.time.end
         shape = "×".join(str(n) for n in simulation.grid.shape)
         if self._live:

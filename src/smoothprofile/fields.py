@@ -25,6 +25,8 @@ DESCRIPTIONS = {
     "velocity": "fluid velocity at cell centres",
     "pressure": "pressure",
     "indicator": "share of the cell that is particle, 0 to 1",
+    "potential": "electric potential",
+    "electric_field": "electric field at cell centres",
 }
 
 

@@ -4,8 +4,9 @@
     run.json        status, versions, machine, checks before the run
     history.csv     one row per recorded step
     particles.csv   one row per recorded step and particle
+    trajectory.gsd  one frame per recorded step, if bodies move (see trajectories.py)
     lines.csv       velocity along the lines, and shear along the wall line, at the end
-    plane.npz       speed, velocity and indicator in one plane, at the end
+    plane.npz       the fields in one plane, at the end
     fields.h5       snapshots of the fields (see fields.py)
     summary.json    the result in one object
 
@@ -34,8 +35,9 @@ from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.fields import FieldsFile
 from smoothprofile.grid import AXIS_NAMES
 from smoothprofile.jsontext import plain, to_json
+from smoothprofile.trajectories import NoTrajectory, Trajectory, trajectory_of
 
-LIBRARIES = ("smoothprofile", "numpy", "scipy", "numba", "ducc0", "h5py")
+LIBRARIES = ("smoothprofile", "numpy", "scipy", "numba", "ducc0", "h5py", "gsd")
 
 
 def next_free_directory(parent: Path | str, name: str) -> Path:
@@ -90,6 +92,7 @@ class RunDirectory:
         self._particles = GrowingTable(self.path / "particles.csv")
         self._rows = 0
         self._fields: FieldsFile | None = None
+        self._trajectory: Trajectory | NoTrajectory | None = None
         self._next_snapshot: float | None = None
 
     def __enter__(self) -> "RunDirectory":
@@ -146,6 +149,9 @@ class RunDirectory:
         for particle in simulation.particles:
             values = {key: value for key, value in particle.items() if key != "shape"}
             self._particles.append(flat_row({"time": simulation.time, **values}))
+        if self._trajectory is None:
+            self._trajectory = trajectory_of(self.path / "trajectory.gsd", simulation)
+        self._trajectory.append(simulation)
 
     def _record_fields(self, simulation: Any) -> None:
         output = simulation.case.output
@@ -192,6 +198,9 @@ class RunDirectory:
             self._write_run()
         self._history.close()
         self._particles.close()
+        if self._trajectory is not None:
+            self._trajectory.close()
+            self._trajectory = None
 
 
 @dataclass(frozen=True, eq=False)

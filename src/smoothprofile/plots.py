@@ -8,9 +8,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
-from scipy.interpolate import RegularGridInterpolator
 
 from smoothprofile.figures import DASHES, LEVEL, PALETTE, Picture, drawing, new_figure, power_of_ten
 from smoothprofile.labels import (
@@ -19,15 +16,14 @@ from smoothprofile.labels import (
     SYMBOLS,
     line_label,
     load_label,
-    position,
     reference_label,
 )
 from smoothprofile.motion_plots import motion_picture, spin_picture
 from smoothprofile.output import RunRecord
+from smoothprofile.plane_plots import plane_pictures
 
 # A force this small beside the torque, both in the case's own units, is none.
 ROUND_OFF = 1e-9
-PLANE_WIDTH = 9.0
 MOST_NAMED_PARTICLES = len(PALETTE)
 
 
@@ -38,7 +34,7 @@ def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> l
     tolerance = record.case.get("time", {}).get("steady_tolerance")
     with drawing():
         drawn = [
-            plane_picture(record.plane),
+            *plane_pictures(record.plane),
             motion_picture(record.particles, reference),
             spin_picture(record.particles, reference),
             load_picture(record.particles, reference),
@@ -47,41 +43,6 @@ def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> l
             convergence_picture(record.history, tolerance),
         ]
     return [picture for picture in drawn if picture is not None]
-
-
-def plane_picture(plane: Mapping[str, np.ndarray]) -> Picture | None:
-    """|u| in a plane as filled contours, streamlines over it, particles outlined at φ = ½."""
-    if not plane or min(plane["speed"].shape) < 2 or not np.isfinite(plane["speed"]).all():
-        return None
-    x, y, speed = plane["x"], plane["y"], plane["speed"].T
-    first, second = (str(label) for label in plane["labels"])
-    ratio = np.ptp(y) / np.ptp(x)
-    width = PLANE_WIDTH if ratio < 0.7 else max(4.5, 6.5 / max(ratio, 1.0))
-    figure, axes = new_figure(float(np.clip(0.8 * width * ratio, 1.5, 8.0)) + 1.1, width)
-    top = float(speed.max()) or 1.0
-    filled = axes.contourf(x, y, speed, levels=np.linspace(0.0, top, 25))
-    filled.set_edgecolor("face")
-    bar = figure.colorbar(filled, ax=axes, label="speed |u| (length/time)", pad=0.01, aspect=25)
-    bar.locator = MaxNLocator(6, steps=[1, 2, 2.5, 5, 10])
-    _draw_streamlines(axes, plane)
-    indicator = plane["indicator"].T
-    if indicator.min() < 0.5 < indicator.max():
-        axes.contour(x, y, indicator, levels=[0.5], colors="white", linewidths=2.6)
-        axes.contour(x, y, indicator, levels=[0.5], colors="black", linewidths=1.2)
-        edge = Line2D([], [], color="black", label="edge of a particle as painted, φ = ½")
-        figure.legend(handles=[edge], loc="outside lower center")
-    axes.set_aspect("equal" if 0.1 < ratio < 10 else "auto")
-    axes.grid(visible=False)
-    where = position(str(plane["axis"]), float(plane["at"]))
-    axes.set(
-        title=f"Speed in the plane {where}",
-        xlabel=f"{SYMBOLS[first]} (length)",
-        ylabel=f"{SYMBOLS[second]} (length)",
-    )
-    # The layout first learns here how high equal units make the axes.
-    figure.draw_without_rendering()
-    caption = f"Speed of the fluid in the plane {where} at the end, with streamlines in white."
-    return Picture("plane", caption, figure, wide=True)
 
 
 def load_picture(
@@ -196,23 +157,6 @@ def convergence_picture(
     )
     figure.legend(loc="outside lower center", ncols=2)
     return Picture("convergence", "How fast the velocity still changes.", figure)
-
-
-def _draw_streamlines(axes: Axes, plane: Mapping[str, np.ndarray]) -> None:
-    """Streamlines outside the particles, where what moves is the fluid.
-
-    They need equal spacing: stretched axes are interpolated to as many points.
-    """
-    points = tuple(np.linspace(c[0], c[-1], c.size) for c in (plane["x"], plane["y"]))
-    where = np.stack(np.meshgrid(*points, indexing="ij"), axis=-1)
-    solid, u, v = (
-        RegularGridInterpolator((plane["x"], plane["y"]), values)(where).T
-        for values in (plane["indicator"], *plane["velocity"])
-    )
-    if np.hypot(u, v).max() > 0:
-        u = np.ma.masked_where(solid > 0.5, u)
-        axes.streamplot(*points, u, v, color="#ffffff88", linewidth=0.6, arrowsize=0.6, density=0.8)
-    axes.set(xlim=points[0][[0, -1]], ylim=points[1][[0, -1]])
 
 
 def _last_size(particles: Mapping[str, Mapping[str, np.ndarray]], load: str) -> dict[str, float]:

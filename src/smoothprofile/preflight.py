@@ -29,6 +29,7 @@ SECONDS_PER_STEP = 2e-3
 # State, provisional velocity, advection, δp, and the copies that output makes.
 FIELDS_PER_CELL = 19
 FIELDS_PER_LEVEL = 6
+COLUMNS = {"velocity": 3, "pressure": 1, "indicator": 1, "potential": 1, "electric_field": 3}
 
 
 def checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
@@ -38,7 +39,11 @@ def checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     if case.particles:
         found += _layer(case, grid, pairing)
         found += _surfaces(case, pairing)
-    found += [_memory(case, grid), _disk(case, grid), _duration(case, grid, pairing)]
+    found += [
+        _memory(case, grid),
+        disk_check(case, grid, _snapshots(case)),
+        _duration(case, grid, pairing),
+    ]
     return found
 
 
@@ -52,12 +57,13 @@ def refuse(found: list[Check]) -> None:
 def check_memory(case: Case) -> None:
     """CaseError if the mesh would not fit, before anything of its size is made."""
     cells = math.prod(case.domain.cells)
-    check = _memory_check(case, cells)
+    check = memory_check(case, cells, _flow_fields(case))
     if check["verdict"] == "refuse":
         raise CaseError(check["note"])
 
 
-def _check(name: str, value: Any, limit: Any, verdict: str, note: str) -> Check:
+def check_row(name: str, value: Any, limit: Any, verdict: str, note: str) -> Check:
+    """One row of checks."""
     return {"name": name, "value": value, "limit": limit, "verdict": verdict, "note": note}
 
 
@@ -75,7 +81,7 @@ def _advective_limit(case: Case, pairing: Pairing) -> Check:
             f"time.step is {pairing.step:g}; with speeds up to ({speed}) {case.time.scheme} is "
             f"stable only up to {pairing.limit:.4g}."
         )
-    return _check("time step", pairing.step, pairing.limit, verdict, note)
+    return check_row("time step", pairing.step, pairing.limit, verdict, note)
 
 
 def _layer(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
@@ -89,11 +95,11 @@ def _layer(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
         layers = smallest / xi
         verdict = "ok" if layers >= FEW_LAYERS else "warn"
         note = "smallest radius or half side over ξ; the correction for curvature is small above 3"
-        rows.append(_check("a/ξ", layers, FEW_LAYERS, verdict, note))
+        rows.append(check_row("a/ξ", layers, FEW_LAYERS, verdict, note))
     least = 1.0 if case.profile.kind == "tanh" else 3.0
     verdict = "ok" if across >= least else "warn"
     note = f"the {case.profile.kind} interface is resolved from about {least:g} cells on"
-    rows.append(_check("ξ/Δx", across, least, verdict, note))
+    rows.append(check_row("ξ/Δx", across, least, verdict, note))
     off = abs(pairing.ratio / pairing.best_ratio - 1.0)
     verdict = "ok" if off < FAR_FROM_BEST or case.profile.retract is not False else "warn"
     note = f"best for {case.profile.kind} and {case.time.scheme}; " + (
@@ -101,7 +107,7 @@ def _layer(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
         if case.profile.retract is not False
         else "retract is off, so this sets how far surfaces act from where they are"
     )
-    rows.append(_check("√(νΔt)/ξ", pairing.ratio, pairing.best_ratio, verdict, note))
+    rows.append(check_row("√(νΔt)/ξ", pairing.ratio, pairing.best_ratio, verdict, note))
     return rows
 
 
@@ -134,7 +140,7 @@ def _invariant(case: Case, d: int) -> bool:
 def _surfaces(case: Case, pairing: Pairing) -> list[Check]:
     xi = case.profile.thickness
     rows = [
-        _check(
+        check_row(
             "interface shift s₀",
             round(pairing.shift, 12) + 0.0,
             0.0,
@@ -157,7 +163,7 @@ def _surfaces(case: Case, pairing: Pairing) -> list[Check]:
             note += (
                 f"; its smallest radius or half side is only {half:.4g}: take a smaller time.step"
             )
-        rows.append(_check(f"surface of {particle.name}", moved, xi, verdict, note))
+        rows.append(check_row(f"surface of {particle.name}", moved, xi, verdict, note))
     return rows
 
 
@@ -169,14 +175,18 @@ def _where_it_acts(distance: float) -> str:
 
 
 def _memory(case: Case, grid: Grid) -> Check:
-    return _memory_check(case, math.prod(grid.padded_shape))
+    return memory_check(case, math.prod(grid.padded_shape), _flow_fields(case))
 
 
-def _memory_check(case: Case, cells: int) -> Check:
+def _flow_fields(case: Case) -> int:
+    """Fields of the mesh's size that a run of the flow holds."""
     levels = scheme_named(case.time.scheme).levels
     fields = FIELDS_PER_CELL + FIELDS_PER_LEVEL * (levels - 1)
-    if case.particles:
-        fields += 6
+    return fields + 6 if case.particles else fields
+
+
+def memory_check(case: Case, cells: int, fields: int) -> Check:
+    """Whether that many fields of so many cells fit into the memory that is free."""
     need = cells * fields * (8 if case.domain.precision == "double" else 4)
     free = _free_memory()
     verdict = "ok" if need < free else "refuse"
@@ -187,7 +197,7 @@ def _memory_check(case: Case, cells: int) -> Check:
             f"domain.cells is {shown}, which needs about {need / 2**30:.3g} GiB of memory; "
             f"{free / 2**30:.3g} GiB are free."
         )
-    return _check("memory (GiB)", need / 2**30, free / 2**30, verdict, note)
+    return check_row("memory (GiB)", need / 2**30, free / 2**30, verdict, note)
 
 
 def _free_memory() -> int:
@@ -199,12 +209,15 @@ def _free_memory() -> int:
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
 
 
-def _disk(case: Case, grid: Grid) -> Check:
-    columns = {"velocity": 3, "pressure": 1, "indicator": 1}
+def _snapshots(case: Case) -> int:
     every = case.output.fields_every
-    snapshots = 1 + (math.floor(case.time.end / every) if every else 0)
-    size = snapshots * 4 * grid.cell_count * sum(columns[name] for name in case.output.fields)
-    return _check(
+    return 1 + (math.floor(case.time.end / every) if every else 0)
+
+
+def disk_check(case: Case, grid: Grid, snapshots: int) -> Check:
+    """How large fields.h5 may become."""
+    size = snapshots * 4 * grid.cell_count * sum(COLUMNS[name] for name in case.output.fields)
+    return check_row(
         "disk (GiB)", size / 2**30, None, "ok", f"{_count(snapshots, 'snapshot')}, uncompressed"
     )
 
@@ -216,7 +229,7 @@ def _duration(case: Case, grid: Grid, pairing: Pairing) -> Check:
     cells = SECONDS_PER_CELL * grid.cell_count / thread_count() ** 0.75
     seconds = steps * (SECONDS_PER_STEP + cells)
     note = f"{steps} steps at most, a rough estimate for {_count(thread_count(), 'thread')}"
-    return _check("time (s)", seconds, None, "ok", note)
+    return check_row("time (s)", seconds, None, "ok", note)
 
 
 def _count(number: int, thing: str) -> str:

@@ -15,6 +15,16 @@ from smoothprofile.output import RunRecord, read_run
 from smoothprofile.plots import pictures
 
 MOST_BODIES = 20
+BODY_QUANTITIES = (
+    "position",
+    "velocity",
+    "force",
+    "torque",
+    "interior_velocity",
+    "centre_field",
+    "dipole",
+    "maxwell_force",
+)
 
 
 def write_report(directory: Path | str, out: Path | None = None) -> Path:
@@ -62,13 +72,18 @@ def comparison(
     force on a wall over the wall's area.
     """
     measured = {}
-    if bodies := record.summary.get("bodies"):
-        slip = np.subtract(bodies[0]["interior_velocity"], bodies[0]["velocity"])
-        measured["force"] = max(bodies[0]["force"], key=abs)
-        measured["torque"] = max(bodies[0]["torque"], key=abs)
-        measured["centre_velocity"] = float(np.linalg.norm(slip))
-    if record.particles:
-        measured["peak_speed"] = _peak_speed(next(iter(record.particles.values())))
+    for body in record.summary.get("bodies", ())[:1]:
+        for key in ("force", "torque", "dipole", "centre_field"):
+            if key in body:
+                measured[key] = max(body[key], key=abs)
+        if "interior_velocity" in body:
+            slip = np.subtract(body["interior_velocity"], body["velocity"])
+            measured["centre_velocity"] = float(np.linalg.norm(slip))
+    if tensor := record.summary.get("effective_permittivity"):
+        measured["effective_permittivity"] = float(np.diag(tensor).max())
+    for columns in list(record.particles.values())[:1]:
+        if "velocity_x" in columns:
+            measured["peak_speed"] = _peak_speed(columns)
     if mean := record.summary.get("mean_velocity"):
         measured["mean_velocity"] = max(mean, key=abs)
     if stresses := _wall_stresses(record):
@@ -217,13 +232,15 @@ def _preliminary(record: RunRecord) -> str:
 
 def _bodies(record: RunRecord) -> str:
     bodies = record.summary.get("bodies", ())
-    quantities = ("position", "velocity", "force", "torque", "interior_velocity")
+    quantities = [name for name in BODY_QUANTITIES if bodies and name in bodies[0]]
     rows = [
         (body["name"], *(webpage.number(body.get(quantity)) for quantity in quantities))
         for body in bodies
     ]
     table = webpage.table(
-        ("name", *map(webpage.words, quantities)), rows[:MOST_BODIES], {1, 2, 3, 4, 5}
+        ("name", *map(webpage.words, quantities)),
+        rows[:MOST_BODIES],
+        set(range(1, len(quantities) + 1)),
     )
     left = len(rows) - MOST_BODIES
     return table + (f'<p class="note">{left} more in particles.csv.</p>' if left > 0 else "")

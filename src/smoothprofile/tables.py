@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from smoothprofile.electrostatics import Electrostatics
     from smoothprofile.simulation import Simulation
 
 MOST_BODIES = 6
@@ -40,6 +41,48 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
     return rows
 
 
+def field_table(run: "Electrostatics") -> list[tuple[str, str, str]]:
+    """The result of a field alone as rows quantity, value, note, for people."""
+    summary, electric = run.summary(), run.case.electric
+    solved = f"{electric.method}, {summary['iterations']} iterations"
+    rows = [
+        ("status", run.status, solved),
+        ("residual", f"{summary['residual']:.2g}", f"tolerance {electric.tolerance:g}"),
+        ("mean field", _vector(summary["mean_field"]), ""),
+        ("mean displacement", _vector(summary["mean_displacement"]), ""),
+        ("energy", f"{summary['energy']:.6g}", "½∫E·εE dV"),
+    ]
+    if run.effective_permittivity is not None:
+        for name, row in zip("xyz", run.effective_permittivity, strict=True):
+            note = "of the whole box" if name == "x" else ""
+            rows.append((f"effective permittivity, {name}", _vector(row), note))
+    bodies = run.particles
+    for body in bodies[:MOST_BODIES]:
+        rows += _in_field(body)
+    if len(bodies) > MOST_BODIES:
+        rows.append(("other bodies", str(len(bodies) - MOST_BODIES), "see particles.csv"))
+    seconds = f"{summary['wall_seconds']:.3g} s"
+    return [*rows, ("wall-clock", seconds, _threads(summary["threads"]))]
+
+
+def _in_field(body: dict) -> list[tuple[str, str, str]]:
+    name, inside = body["name"], body["centre_field"]
+    rows = [(f"field in {name}", _vector(inside), "at its centre")]
+    if "force" not in body:
+        return rows
+    # Loads beside those that the field exerts on a dipole of this size, over about its own length.
+    faint = 1e-9 * float(np.linalg.norm(body["dipole"]) * np.linalg.norm(inside))
+    note = "no room for a surface around it"
+    if np.isfinite(body["maxwell_force"]).all():
+        note = f"{_vector(body['maxwell_force'], faint)} by Maxwell stress"
+    return [
+        *rows,
+        (f"dipole of {name}", _vector(body["dipole"]), ""),
+        (f"force on {name}", _vector(body["force"], faint), note),
+        (f"torque on {name}", _vector(body["torque"], faint), "about its position"),
+    ]
+
+
 def _of_body(body: dict, free: bool) -> list[tuple[str, str, str]]:
     name, inside = body["name"], body["interior_velocity"] - body["velocity"]
     rows = [
@@ -56,8 +99,8 @@ def _of_body(body: dict, free: bool) -> list[tuple[str, str, str]]:
     return rows
 
 
-def _vector(values: np.ndarray) -> str:
-    return "(" + ", ".join(f"{0.0 if abs(v) < 5e-13 else v:.6g}" for v in values) + ")"
+def _vector(values: np.ndarray, faint: float = 5e-13) -> str:
+    return "(" + ", ".join(f"{0.0 if abs(v) < faint else v:.6g}" for v in values) + ")"
 
 
 def _limit(step: float) -> str:

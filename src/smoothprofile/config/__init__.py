@@ -2,6 +2,7 @@
 
 from smoothprofile.config.case import Case, Profile, Start, Time
 from smoothprofile.config.domain import Domain, Faces, Focus
+from smoothprofile.config.electric import SPECTRAL, Electric
 from smoothprofile.config.fluid import Fluid, MeanVelocity, WallVelocity
 from smoothprofile.config.output import Line, Output, PlaneCut, WallLine
 from smoothprofile.config.particle import Particle, Solid, body_shape, build_shape, start_position
@@ -11,8 +12,10 @@ from smoothprofile.config.values import AXES, SIDES
 __all__ = [
     "AXES",
     "SIDES",
+    "SPECTRAL",
     "Case",
     "Domain",
+    "Electric",
     "Faces",
     "Fluid",
     "Focus",

@@ -6,8 +6,9 @@ from pydantic import Field, PlainValidator, field_validator, model_validator
 
 from smoothprofile.config.contact import Contact
 from smoothprofile.config.domain import Domain, Faces
+from smoothprofile.config.electric import Electric
 from smoothprofile.config.fluid import Fluid
-from smoothprofile.config.output import Output
+from smoothprofile.config.output import ELECTRIC_FIELDS, FLOW_FIELDS, Output
 from smoothprofile.config.particle import Particle, shown_signal
 from smoothprofile.config.placement import check_placement
 from smoothprofile.config.refusals import MISSING, Refusal
@@ -94,18 +95,25 @@ class Start(Table):
 
 
 class Case(Table):
-    """Everything a run is told; equal cases give equal runs."""
+    """Everything a run is told; equal cases give equal runs.
+
+    A case has [fluid] and [time], and what flows is stepped in time; or it has [electric] alone,
+    and is one field around bodies that are held.
+    """
 
     title: str = Field("Untitled case", description="a text in quotes")
     reference: str | None = Field(None, description="the name of a reference in quotes")
     domain: Domain = Field(description="a table [domain] with lengths, cells and boundaries")
-    fluid: Fluid = Field(description="a table [fluid] with density and viscosity")
+    fluid: Fluid | None = Field(None, description="a table [fluid] with density and viscosity")
+    electric: Electric | None = Field(
+        None, description="a table [electric] with a field or electrodes"
+    )
     profile: Profile | None = Field(None, description="a table [profile] with thickness")
     particles: Annotated[tuple[Particle, ...], Field(strict=False)] = Field(
         (), description="a list of tables, each under [[particles]]"
     )
     contact: Contact = Field(Contact(), description="a table [contact]")
-    time: Time = Field(description="a table [time] with end")
+    time: Time | None = Field(None, description="a table [time] with end")
     start: Annotated[tuple[Start, ...], Field(strict=False)] = Field(
         (), description="a list of tables, each under [[start]]"
     )
@@ -133,6 +141,17 @@ class Case(Table):
             changes["profile"] = self.profile.model_copy(update={"thickness": start.thickness})
         return self.model_copy(update=changes)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _fields_that_there_are(cls, data: Any) -> Any:
+        """What is written if the case does not say: the fields of its physics."""
+        if not isinstance(data, dict) or not isinstance(data.get("output", {}), dict):
+            return data
+        flow = FLOW_FIELDS if "fluid" in data else ()
+        electric = ELECTRIC_FIELDS if "electric" in data else ()
+        output = {"fields": [*flow, "indicator", *electric], **data.get("output", {})}
+        return {**data, "output": output}
+
     @field_validator("particles")
     @classmethod
     def _all_named(cls, particles: tuple[Particle, ...]) -> tuple[Particle, ...]:
@@ -144,14 +163,55 @@ class Case(Table):
 
     @model_validator(mode="after")
     def _tables_agree(self) -> "Case":
-        self.fluid.check(self.domain)
+        self._check_physics()
+        if self.fluid is not None:
+            self.fluid.check(self.domain)
+            self._check_thickness()
+        if self.electric is not None:
+            self.electric.check(self.domain, self.particles)
         self.output.check(self.domain)
         self._check_names()
-        self._check_thickness()
         self._check_start_cells()
         self._check_start()
         check_placement(self.particles, self.domain)
         return self
+
+    def _check_physics(self) -> None:
+        """Refusal of tables without the physics that they belong to."""
+        if self.fluid is not None and self.time is None:
+            raise Refusal("time", MISSING, "a case with [fluid] needs [time] with end")
+        if self.fluid is None and self.electric is None:
+            raise Refusal(
+                "fluid", MISSING, "a case needs [fluid] with density and viscosity, or [electric]"
+            )
+        if self.fluid is None:
+            self._check_still()
+        for number, name in enumerate(self.output.fields):
+            needs = "fluid" if name in FLOW_FIELDS else "electric"
+            if name != "indicator" and getattr(self, needs) is None:
+                allowed = f"a case without [{needs}] has no {name}"
+                raise Refusal(f"output.fields.{number}", name, allowed)
+        for number, particle in enumerate(self.particles if self.electric is None else ()):
+            if particle.permittivity is not None:
+                key = f"particles.{number}.permittivity"
+                raise Refusal(key, particle.permittivity, "a case without [electric] has none")
+
+    def _check_still(self) -> None:
+        """Refusal of what moves, in a case of a field alone."""
+        for key, value in (
+            ("profile.thickness", self.profile and self.profile.thickness),
+            ("time.end", self.time and self.time.end),
+            ("start.0.cells", self.start and self.start[0].cells),
+            ("output.lines.0.name", self.output.lines and self.output.lines[0].name),
+            ("output.wall_line.wall", self.output.wall_line and self.output.wall_line.wall),
+        ):
+            if value:
+                table = ".".join(part for part in key.split(".")[:-1] if part != "0")
+                raise Refusal(key, value, f"a case without [fluid] has no {table}")
+        for number, particle in enumerate(self.particles):
+            if particle.motion != "held":
+                allowed = 'bodies of a case without [fluid] are "held"'
+                raise Refusal(f"particles.{number}.motion", particle.motion, allowed)
 
     def _check_start(self) -> None:
         """Refusal of a coarse start for bodies that travel: it would leave them elsewhere."""

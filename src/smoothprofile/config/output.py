@@ -19,7 +19,8 @@ from smoothprofile.config.values import (
     Table,
 )
 
-FieldName = Literal["velocity", "pressure", "indicator"]
+FieldName = Literal["velocity", "pressure", "indicator", "potential", "electric_field"]
+FLOW_FIELDS, ELECTRIC_FIELDS = ("velocity", "pressure"), ("potential", "electric_field")
 
 
 class PlaneCut(Table):
@@ -55,7 +56,8 @@ class Output(Table):
     every: Count = Field(1, description=COUNT)
     fields: Annotated[tuple[FieldName, ...], Field(strict=False)] = Field(
         ("velocity", "pressure", "indicator"),
-        description='a list of "velocity", "pressure" and "indicator"',
+        description='a list of "velocity", "pressure", "indicator", "potential" and '
+        '"electric_field"',
     )
     fields_every: Positive | None = Field(None, description=POSITIVE)
     plane: PlaneCut = Field(PlaneCut(), description='a table such as { axis = "z", at = 0.0 }')

@@ -154,6 +154,7 @@ class Particle(Solid):
     velocity: Velocity = Field(Signal(), description=VELOCITY)
     angular_velocity: Velocity = Field(Signal(), description=VELOCITY)
     density: Positive | None = Field(None, description=POSITIVE)
+    permittivity: Positive | None = Field(None, description=POSITIVE)
     force: Vector = Field((0.0, 0.0, 0.0), description=NUMBERS)
     torque: Vector = Field((0.0, 0.0, 0.0), description=NUMBERS)
 

@@ -23,6 +23,7 @@ DEEPEST = 12
 # Forty dotted names in a row: the parser takes a time quadratic in their number.
 LONG_KEY = re.compile(r"(?<![^\s.=,\[\]{}#])(?:[^\s.=,\[\]{}#]++[ \t]*+\.[ \t]*+){40}")
 # .3 and 3. are no TOML, and what people type on a command line.
+SIGNED_POINT = re.compile(r"[+-]?\.\d", re.ASCII)
 SHORT_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)([eE][+-]?\d+)?$", re.ASCII)
 WHERE = re.compile(r"^(.*) \(at (?:line (\d+), column (\d+)|end of document)\)$", re.DOTALL)
 
@@ -115,6 +116,8 @@ def parse(text: str, name: str) -> dict[str, Any]:
         if line is None:
             line, column = text.count("\n") + 1, len(text) - text.rfind("\n")
         reason = reason[:1].lower() + reason[1:]
+        if SIGNED_POINT.match(text.split("\n")[int(line) - 1], int(column) - 1):
+            reason = "a number needs a digit before its point, as in 0.5"
         raise CaseError(f"{name} is not TOML at line {line}, column {column}: {reason}.") from None
 
 
@@ -146,7 +149,7 @@ def _pairs(overrides: Overrides) -> Iterable[tuple[str, Any]]:
         return
     for text in [overrides] if isinstance(overrides, str) else overrides:
         key, equals, value = text.partition("=")
-        if not equals or not key.strip():
+        if not equals or not all(part.strip() for part in key.split(".")):
             raise CaseError(f"override {shown(text)} must be written as table.key=value.")
         yield key.strip(), _value(value.strip())
 

@@ -86,14 +86,17 @@ def read_table(model: type[BaseModel], value: Any) -> BaseModel:
 
 def _unknown_key(key: str, table: type[BaseModel], root: type[BaseModel]) -> str:
     *parents, name = key.split(".")
+    # What a terminal would not show as it is, or not on a line, is shown in quotes.
+    plain = name and name.isprintable() and len(key) <= LONGEST_VALUE
+    told = key if plain else shown(key)
     known = nearest(name, list(table.model_fields))
     if known:
-        return f"{key} is not a known key; the nearest is {'.'.join((*parents, known))}."
+        return f"{told} is not a known key; the nearest is {'.'.join((*parents, known))}."
     everywhere = dict(_all_keys(root))
     elsewhere = nearest(name, list(everywhere), 0.8)
     if elsewhere:
-        return f"{key} is not a known key; the nearest is {everywhere[elsewhere]}."
-    return f"{key} is not a known key; known here are {', '.join(table.model_fields)}."
+        return f"{told} is not a known key; the nearest is {everywhere[elsewhere]}."
+    return f"{told} is not a known key; known here are {', '.join(table.model_fields)}."
 
 
 def _all_keys(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, str]]:

@@ -119,6 +119,8 @@ class Spread(Table):
     @model_validator(mode="after")
     def _holds_its_mean(self) -> "Spread":
         low, high = self.ends
+        if not low < high:
+            raise Refusal("smallest", low, f"it must be below the largest, {high:g}")
         if not low < self.mean < high:
             raise Refusal("mean", self.mean, f"it must lie between {low:g} and {high:g}")
         return self

@@ -28,6 +28,7 @@ LENGTHS = "three finite numbers above 0"
 COUNT = "a whole number from 1 to 1000000"
 COUNTS = "three whole numbers from 1 to 1000000"
 FLAG = "true or false"
+SIZE = "numbers other than 0 lie between 1e-40 and 1e40 in size"
 AXIS = '"x", "y" or "z"'
 VELOCITY = (
     "three finite numbers or "
@@ -39,6 +40,16 @@ class Table(BaseModel):
     """A table of the case file: no unknown keys, no conversions, no NaN, no changes."""
 
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _computable(cls, data: Any) -> Any:
+        """Refusal of numbers whose products would leave a double's range."""
+        for key, value in data.items() if isinstance(data, dict) else ():
+            numbers = value if isinstance(value, list | tuple) else (value,)
+            if not all(map(has_computable_size, numbers)):
+                raise Refusal(key, value, SIZE)
+        return data
 
 
 class SignalTable(Table):
@@ -63,6 +74,11 @@ def is_vector(value: Any) -> bool:
         and len(value) == 3
         and all(is_finite(component) for component in value)
     )
+
+
+def has_computable_size(value: Any) -> bool:
+    """False for finite numbers beyond 1e40 or, but for 0, below 1e-40 in size."""
+    return not is_finite(value) or value == 0 or 1e-40 <= abs(value) <= 1e40
 
 
 def is_finite(value: Any) -> bool:

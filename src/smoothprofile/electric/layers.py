@@ -12,6 +12,9 @@ import math
 import numpy as np
 from numba import njit
 
+from smoothprofile.distances import SPHERE
+from smoothprofile.electric.windows import Boxes
+from smoothprofile.particles.bodies import Forms
 from smoothprofile.particles.paint import body_distance as body_distance
 from smoothprofile.profiles import QUARTIC, QUARTIC_EXCESS, SINE, TANH, indicator
 
@@ -50,13 +53,14 @@ def distance(b, x, y, z, forms):
 
     Of a body that fills a periodic axis, the least over its images.
     """
-    reaches, lengths = forms[7], forms[8]
+    reaches, lengths, ball = forms[7], forms[8], forms[9]
     i, j, k = reaches[b]
+    if ball[b] > 0.0:
+        x, y, z = _nearest_image(x, y, z, reaches[b], lengths)
+        return math.sqrt(x * x + y * y + z * z) - ball[b]
     if i < 0 and j < 0 and k < 0:
         return _distance_of_one(b, x, y, z, forms)
-    x -= lengths[0] * np.rint(x / lengths[0]) if i >= 0 else 0.0
-    y -= lengths[1] * np.rint(y / lengths[1]) if j >= 0 else 0.0
-    z -= lengths[2] * np.rint(z / lengths[2]) if k >= 0 else 0.0
+    x, y, z = _nearest_image(x, y, z, reaches[b], lengths)
     i, j, k = max(i, 0), max(j, 0), max(k, 0)
     nearest = math.inf
     for u in range(-i, i + 1):
@@ -65,6 +69,15 @@ def distance(b, x, y, z, forms):
                 at = (x + u * lengths[0], y + v * lengths[1], z + w * lengths[2])
                 nearest = min(nearest, _distance_of_one(b, at[0], at[1], at[2], forms))
     return nearest
+
+
+@njit(inline="always")
+def _nearest_image(x, y, z, reach, lengths):
+    """A point seen from the image of the body whose centre is nearest, along the axes it fills."""
+    x -= lengths[0] * np.rint(x / lengths[0]) if reach[0] >= 0 else 0.0
+    y -= lengths[1] * np.rint(y / lengths[1]) if reach[1] >= 0 else 0.0
+    z -= lengths[2] * np.rint(z / lengths[2]) if reach[2] >= 0 else 0.0
+    return x, y, z
 
 
 @njit
@@ -81,7 +94,12 @@ def _distance_of_one(b, x, y, z, forms):
 
 @njit
 def normal(b, x, y, z, step, forms):
-    """∇d by central differences."""
+    """∇d: of a sphere r/|r|, of other bodies by central differences."""
+    if forms[9][b] > 0.0:
+        x, y, z = _nearest_image(x, y, z, forms[7][b], forms[8])
+        size = math.sqrt(x * x + y * y + z * z)
+        scale = 1.0 / size if size > 0.0 else 0.0
+        return scale * x, scale * y, scale * z
     scale = 0.5 / step
     return (
         scale * (distance(b, x + step, y, z, forms) - distance(b, x - step, y, z, forms)),
@@ -92,7 +110,13 @@ def normal(b, x, y, z, step, forms):
 
 @njit
 def bent(b, x, y, z, vx, vy, vz, step, forms):
-    """(∇∇d)·v by central differences of ∇d along v."""
+    """(∇∇d)·v: of a sphere (v − n n·v)/|r|, of other bodies by differences of ∇d along v."""
+    if forms[9][b] > 0.0:
+        x, y, z = _nearest_image(x, y, z, forms[7][b], forms[8])
+        square = x * x + y * y + z * z
+        along = (x * vx + y * vy + z * vz) / square if square > 0.0 else 0.0
+        scale = 1.0 / math.sqrt(square) if square > 0.0 else 0.0
+        return scale * (vx - along * x), scale * (vy - along * y), scale * (vz - along * z)
     size = math.sqrt(vx * vx + vy * vy + vz * vz)
     if size == 0.0:
         return 0.0, 0.0, 0.0
@@ -112,6 +136,7 @@ def stack(b, x, y, z, meets, position, permittivity, fluid, layer, forms, now):
     """
     code, xi, half_width = layer
     start, others, shift = meets
+    outer = forms[10]
     now[:] = 0.0
     now[0], now[1] = fluid, 1.0 / fluid
     below, share, met = 1.0, 0.0, False
@@ -121,6 +146,9 @@ def stack(b, x, y, z, meets, position, permittivity, fluid, layer, forms, now):
         dx = x + position[b, 0] - position[o, 0] - shift[m, 0]
         dy = y + position[b, 1] - position[o, 1] - shift[m, 1]
         dz = z + position[b, 2] - position[o, 2] - shift[m, 2]
+        if dx * dx + dy * dy + dz * dz > outer[o] * outer[o]:
+            met = met or own
+            continue
         s = distance(o, dx, dy, dz, forms) / xi
         if s > half_width:
             met = met or own
@@ -162,8 +190,20 @@ WORK = 12
 """Numbers that `stack` leaves."""
 
 
-def form_arrays(forms, rotation: np.ndarray, reaches: np.ndarray, lengths) -> tuple:
-    """Forms, orientations (n,3,3), and images along the axes, as the kernels take them."""
+def form_arrays(
+    forms: Forms, rotation: np.ndarray, boxes: Boxes, half_sides: np.ndarray, lengths
+) -> tuple:
+    """Forms, orientations (n,3,3), and images along the axes, as the kernels take them.
+
+    The last two are the painted radii (n,) of bodies that are one sphere about their position, −1
+    of others, and the radii (n,) beyond which nothing of a body is painted.
+    """
+    first = forms.part_start[:-1]
+    alone = np.diff(forms.part_start) == 1
+    ball = alone & (forms.kind[first] == SPHERE) & ~forms.place[first].any(axis=1)
+    cut = boxes.reaches >= 0
+    outer = np.where(cut.any(axis=1), np.inf, np.linalg.norm(half_sides, axis=1))
+    outer = np.where(ball & ~cut.any(axis=1), half_sides[:, 0], outer)
     return (
         np.ascontiguousarray(rotation),
         forms.part_start,
@@ -172,6 +212,8 @@ def form_arrays(forms, rotation: np.ndarray, reaches: np.ndarray, lengths) -> tu
         forms.place,
         forms.turn,
         forms.offset,
-        reaches,
+        boxes.reaches,
         np.array(lengths),
+        np.where(ball, forms.size[first, 0] + forms.offset[first, 0], -1.0),
+        outer,
     )

@@ -36,9 +36,7 @@ def dielectric_medium(
     thickness: ξ, .75Δx if left out. retract: move each surface by `surface_offset`.
     CaseError for a permittivity that is not above 0, and for layers thicker than .8 of a radius.
     """
-    xi = thickness or CELLS * max(
-        float(axis.widths.max()) for axis in grid.axes if axis.cells > 1 or not axis.periodic
-    )
+    xi = thickness or default_thickness(grid)
     offsets = [np.zeros((len(shape.parts), 2)) for shape in shapes]
     for rows, shape, value in zip(offsets, shapes, permittivity, strict=True):
         for row, part in zip(rows, shape.parts, strict=True):
@@ -46,6 +44,13 @@ def dielectric_medium(
                 row[:] = surface_offset(part, xi, value / fluid, profile, smoothing)
     forms = Forms.of(shapes, offsets)
     return Permittivity(grid, forms, permittivity, fluid, profile_named(profile), xi, smoothing)
+
+
+def default_thickness(grid: Grid) -> float:
+    """ξ = .75Δx of the widest cell, along axes that have more than one."""
+    return CELLS * max(
+        float(axis.widths.max()) for axis in grid.axes if axis.cells > 1 or not axis.periodic
+    )
 
 
 def surface_offset(

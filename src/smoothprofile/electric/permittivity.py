@@ -23,6 +23,7 @@ from smoothprofile.boundaries import pressure_boundary
 from smoothprofile.distances import MESH
 from smoothprofile.electric.layers import STEEPEST, STEP, distance, form_arrays, lay, level, normal
 from smoothprofile.electric.layers import slope as profile_slope
+from smoothprofile.electric.runs import corners_with_layer, no_runs, runs_of
 from smoothprofile.electric.windows import Boxes, boxes_around
 from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
@@ -69,12 +70,12 @@ class Permittivity:
         if self.permittivity.shape != (forms.part_start.size - 1,):
             raise CaseError("there must be one permittivity for each body.")
         self.grid, self.forms, self.profile, self.thickness = grid, forms, profile, thickness
-        self._painter = Painter(grid, (pressure_boundary(grid),) * 3, forms, profile, thickness)
+        self.painter = Painter(grid, (pressure_boundary(grid),) * 3, forms, profile, thickness)
         self.points = tuple(np.stack([a.padded_centres, a.padded_faces]) for a in grid.axes)
         shape = grid.padded_shape
         self.faces = tuple(np.full(shape, self.fluid) for _ in range(3))
         self.layers = tuple(np.zeros(shape) for _ in range(3))
-        self.runs = _no_runs(shape)
+        self.runs = no_runs(shape)
         self.boxes: Boxes | None = None
         self.form_arrays: tuple = ()
         self.version = 0
@@ -97,8 +98,9 @@ class Permittivity:
     def paint(self, state: BodyState, scratch: tuple[np.ndarray, np.ndarray]) -> None:
         """Bring ε to where the bodies are. scratch: two padded fields, overwritten."""
         rotation = state.rotation
-        self.boxes = boxes_around(self.grid, state.position, self._painter.half_sides(rotation))
-        self.form_arrays = form_arrays(self.forms, rotation, self.boxes.reaches, self.grid.lengths)
+        half = self.painter.half_sides(rotation)
+        self.boxes = boxes_around(self.grid, state.position, half)
+        self.form_arrays = form_arrays(self.forms, rotation, self.boxes, half, self.grid.lengths)
         above, below = scratch
         for field in self.faces:
             field[:] = self.fluid
@@ -116,7 +118,11 @@ class Permittivity:
         for field in (*self.faces, *self.layers):
             _repeat(field, periodic)
         self.version += 1
-        self.runs = _runs(self.layers) if self.mode == TENSOR else _no_runs(self.grid.padded_shape)
+        self.runs = (
+            runs_of(corners_with_layer(self.layers), GAP)
+            if self.mode == TENSOR
+            else no_runs(self.grid.padded_shape)
+        )
 
 
 @njit(parallel=True, cache=True, error_model="numpy")
@@ -240,41 +246,3 @@ def _repeat(f, periodic):
         f[:, -1] = f[:, 1]
     if periodic[0]:
         f[-1] = f[1]
-
-
-def _no_runs(shape: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    none = np.zeros(0, dtype=np.int64)
-    return np.zeros((shape[0], shape[1] + 1), dtype=np.int64), none, none
-
-
-def _runs(layers) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Runs low … high of corners with a layer; row (i,j) has those from start[i,j] to [i,j+1]."""
-    nx, ny, _ = layers[0].shape
-    counts = np.zeros((nx, ny + 1), dtype=np.int64)
-    none = np.zeros(0, dtype=np.int64)
-    _scan(*layers, counts, none, none, False)
-    start = np.zeros((nx, ny + 1), dtype=np.int64)
-    start[:, 1:] = np.cumsum(counts[:, :ny]).reshape(nx, ny)
-    start[1:, 0] = start[:-1, -1]
-    low, high = (np.zeros(int(start[-1, -1]), dtype=np.int64) for _ in range(2))
-    _scan(*layers, start, low, high, True)
-    return start, low, high
-
-
-@njit(parallel=True, cache=True)
-def _scan(qx, qy, qz, start, low, high, store):
-    for i in prange(1, qx.shape[0]):
-        for j in range(1, qx.shape[1]):
-            found, end = 0, -GAP - 1
-            for k in range(1, qx.shape[2]):
-                if qx[i, j, k] == 0.0 and qy[i, j, k] == 0.0 and qz[i, j, k] == 0.0:
-                    continue
-                if k - end > GAP:
-                    found += 1
-                    if store:
-                        low[start[i, j] + found - 1] = k
-                end = k
-                if store:
-                    high[start[i, j] + found - 1] = k
-            if not store:
-                start[i, j] = found
