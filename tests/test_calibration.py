@@ -197,10 +197,20 @@ def test_a_radius_takes_little_time():
     assert min(once(k) for k in (0.0711, 0.0722, 0.0733)) < 0.15
 
 
+def test_thin_layers_and_long_steps_have_a_radius_too():
+    """As ξ → 0 only √(νΔt) is left, and the root lies 10⁶ ξ from the planar guess."""
+    thin, thinner = painted_radius(1, 1e-3, 1.0), painted_radius(1, 1e-6, 1.0)
+    # Of second order in ξ for a centred profile: 1e-6.
+    assert thin == pytest.approx(thinner, abs=1e-6)
+    assert thinner > 1.9
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ((1.0, 0.9, 0.5), "thickness"),
+        ((1.0, 1e-9, 0.2), "profile.thickness is 1e-09; it must be at least 1e-08"),
+        ((1.0, 0.3, 1e-9, "sine"), "time.step is 1e-09; it must be at least 1e-08"),
         ((1.0, 0.8, 0.2), "no painted radius"),
         ((1.0, 0.3, 0.005), "no painted radius"),
         ((1.0, 0.3, 100.0), "no painted radius"),

@@ -1,5 +1,7 @@
 """The tables of a case: defaults, and the one sentence for whatever cannot be run."""
 
+import math
+
 import pytest
 
 from case_makers import refusal, small_case, sphere
@@ -97,6 +99,23 @@ def test_defaults_depend_on_what_is_given():
         ("particles.0.density=2.0", "particles.0.density", "2.0", 'motion = "free"'),
         ("particles.0.position=[6,0,0]", "particles.0.position", "[6.0", "-5 to 5 along x"),
         ("particles.0.position=[0,3.5,0]", "particles.0.position", "[0.0, 3.5", "-4 to 4"),
+        ("profile.thickness=1e-300", "profile.thickness", "1e-300", "between 1e-40 and 1e40"),
+        ("domain.lengths=[1e300, 8, 8]", "domain.lengths", "[1e+300, 8, 8]", "between 1e-40"),
+        ("fluid.gravity=[0, 0, -1e300]", "fluid.gravity", "[0, 0, -1e+300]", "between 1e-40"),
+        (f"{FIXED}=[1e41, 0, 0]", FIXED, "[1e+41, 0, 0]", "between 1e-40"),
+        ("fluid.gravity=[0, -9.81]", "fluid.gravity", "[0, -9.81]", "three finite"),
+        ("fluid.gravity=9.81", "fluid.gravity", "9.81", "three finite"),
+        ("contact.restitution=2", "contact.restitution", "2", "from 0.01 to 1"),
+        ("contact.restitution=nan", "contact.restitution", "nan", "from 0.01 to 1"),
+        ("contact.friction=-1", "contact.friction", "-1", "0 or more"),
+        ("contact.range=0", "contact.range", "0", "above 0"),
+        ("contact.lubrication=yes", "contact.lubrication", '"yes"', "true or false"),
+        ("contact.lubrication=1", "contact.lubrication", "1", "true or false"),
+        ("contact.resitution=1", "contact.resitution", "", "nearest is contact.restitution"),
+        ("contact.stiffness=1", "contact.stiffness", "", "known here are range"),
+        ("contact=3", "contact", "3", "a table with the keys range"),
+        ("particles.0.force=[1, 0, 0]", "particles.0.force", "[1.0", 'motion = "free" has a force'),
+        ("particles.0.torque=[1, 0, 0]", "particles.0.torque", "[1.0", "free"),
         ("output.every=0", "output.every", "0", "whole"),
         ("output.fields=['speed']", "output.fields", '["speed"]', "velocity"),
         ("output.plane.at=9", "output.plane.at", "9", "-4 to 4"),
@@ -107,6 +126,38 @@ def test_defaults_depend_on_what_is_given():
 def test_bad_values_are_refused_by_key_value_and_what_is_allowed(override, key, value, allowed):
     text = refusal(small_case(sphere()), [override])
     assert text.startswith(f"{key} is {value}")
+    assert allowed in text
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "value", "allowed"),
+    [
+        ({"density": 0}, "density", "0", "above 0"),
+        ({"density": -1.0}, "density", "-1.0", "above 0"),
+        ({"density": math.nan}, "density", "nan", "finite"),
+        ({"density": "heavy"}, "density", '"heavy"', "finite"),
+        ({"density": None}, "density", "missing", "a free body needs density"),
+        ({"force": [1, 2]}, "force", "[1, 2]", "three finite"),
+        ({"torque": 5}, "torque", "5", "three finite"),
+        (
+            {"velocity": {"amplitude": [1, 0, 0], "angular_frequency": 1}},
+            "velocity",
+            "{ amplitude = [1.0, 0.0, 0.0] }",
+            "at the start, three numbers",
+        ),
+        (
+            {"shape": "plane", "radius": None, "normal": [0, 1, 0]},
+            "motion",
+            '"free"',
+            "a plane without an end cannot move freely",
+        ),
+        ({"shape": "cylinder", "axis": [1, 0, 0]}, "motion", '"free"', "a cylinder without an end"),
+    ],
+)
+def test_free_bodies_that_cannot_be_are_refused(changes, key, value, allowed):
+    body = sphere(motion="free", density=2.0) | changes
+    text = refusal(small_case({name: given for name, given in body.items() if given is not None}))
+    assert text.startswith(f"particles.0.{key} is {value}; ")
     assert allowed in text
 
 

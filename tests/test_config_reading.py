@@ -122,6 +122,7 @@ def test_overrides_reach_everything():
         (b"a." * 100_000 + b"a = 1", "too deeply"),
         (b"x = " + b"[" * 40 + b"]" * 40, "too deeply"),
         (b"x = " + b"9" * 5_000, "not TOML at line 1"),
+        (b"x = 1\ny = [1, -.5]", "line 2, column 9: a number needs a digit before its point"),
         (b"#" * (64 * 2**20 + 1), "too large"),
     ],
 )
@@ -148,6 +149,10 @@ def test_sources_that_are_not_there_are_refused(tmp_path, monkeypatch):
     [
         ("foo", 'override "foo" must be written as table.key=value'),
         ("=3", 'override "=3" must be'),
+        ("domain..cells=3", 'override "domain..cells=3" must be'),
+        (".=3", 'override ".=3" must be'),
+        ("\x1b[31m=3", r'"\u001b[31m" is not a known key'),
+        ("x" * 500 + "=3", f'"{"x" * 68}… is not a known key'),
         ("particles.5.radius=1", "particles has 1 entry, counted from 0"),
         ("title.x=3", 'title is "Sphere held'),
         ("fluid.body_force.0=3", "sets no list fluid.body_force"),

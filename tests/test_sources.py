@@ -297,6 +297,10 @@ def test_files_lie_with_the_case_or_are_given_whole(tmp_path, monkeypatch):
             "particles.1.radius.mean is 1.0; it must lie between 0.7 and 0.9",
         ),
         (
+            {"random": {"count": 5}, "radius": {"mean": 1, "deviation": 1, "smallest": 5}},
+            "particles.1.radius.smallest is 5.0; it must be below the largest, 4",
+        ),
+        (
             {"random": {"count": 5}, "radius": {"sizes": [1], "shares": [1, 2]}},
             "particles.1.radius.shares is [1.0, 2.0]; it must be 1 number",
         ),
@@ -328,8 +332,9 @@ def test_sentences_call_bodies_by_their_places_in_the_file(tmp_path, monkeypatch
 def test_five_thousand_bodies_load_at_once():
     case = cube(beads(random={"count": 5000}, motion="free", density=2.0), side=12.0)
     load_case(case | {"particles": [beads(random={"count": 10})]})
-    start = time.perf_counter()
+    # Of this process alone: other work on the machine does not count.
+    start = time.process_time()
     loaded = load_case(case)
-    # The promise; about a second and a half is taken on an idle machine, of which packing is one.
-    assert time.perf_counter() - start < 6.0
+    # The promise; about a second and a half is taken, of which packing is one.
+    assert time.process_time() - start < 6.0
     assert len(loaded.particles) == 5000

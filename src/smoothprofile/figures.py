@@ -14,6 +14,8 @@ from matplotlib.image import imsave
 DASHES = ("-", "--", ":")
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 LEVEL = {"color": "black", "linestyle": (0, (6, 3)), "linewidth": 1.0}
+EXACT = {"color": "black", "linestyle": "--", "linewidth": 1.0}
+GUIDE = {"color": "#888888", "linestyle": ":", "linewidth": 1.2}
 
 # Okabe and Ito: told apart with every kind of colour blindness.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -79,6 +81,12 @@ def new_panels(count: int, height: float, width: float) -> tuple[Figure, list[Ax
     figure = Figure(figsize=(width, height), layout="compressed")
     FigureCanvasAgg(figure)
     return figure, list(figure.subplots(1, count, squeeze=False)[0])
+
+
+def legend_below(axes: Axes, columns: int) -> None:
+    """One legend under all panels of the figure, of what one of them names."""
+    handles, labels = axes.get_legend_handles_labels()
+    axes.figure.legend(handles, labels, loc="outside lower center", ncols=columns)
 
 
 def power_of_ten(value: float, _: int) -> str:

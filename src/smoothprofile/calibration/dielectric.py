@@ -32,13 +32,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from smoothprofile.calibration.flow import THICKEST
+from smoothprofile.calibration.flow import THICKEST, THINNEST
 from smoothprofile.errors import CaseError
 from smoothprofile.profiles import Profile, profile_named
 from smoothprofile.theory import dielectric
 
 TOLERANCE = 1e-11
 TRIALS = 30
+# Beyond it or its inverse the radial problem is singular to round-off.
+LARGEST_RATIO = 1e9
 
 
 def effective_radius(
@@ -65,7 +67,8 @@ def effective_radius(
         100     harmonic       −0.00410      −0.01113    −0.02922
         100     tensor          0.00766       0.03935     0.15353
 
-    Source: thesis (4.8–4.12, 4.24). CaseError if ξ > 0.8a or an argument makes no sense.
+    Source: thesis (4.8–4.12, 4.24). CaseError if ξ > 0.8a or ξ < 1e-8a, if R or 1/R > 1e9, or if
+    an argument makes no sense.
     """
     profile = _checked(radius, thickness, permittivity_ratio, profile, smoothing, multipole)
     sphere = (float(permittivity_ratio), profile, smoothing, int(multipole))
@@ -201,6 +204,9 @@ def _checked(
     for name, value in lengths.items():
         if not (math.isfinite(value) and value > 0.0):
             raise CaseError(f"{name} is {value}; it must be a positive number.")
+    if not 1.0 / LARGEST_RATIO <= permittivity_ratio <= LARGEST_RATIO:
+        allowed = f"between {1.0 / LARGEST_RATIO:g} and {LARGEST_RATIO:g}"
+        raise CaseError(f"permittivity_ratio is {permittivity_ratio:g}; it must be {allowed}.")
     if smoothing not in dielectric.SMOOTHINGS:
         known = ", ".join(dielectric.SMOOTHINGS)
         raise CaseError(f"electric.smoothing is {smoothing!r}; it must be one of {known}.")
@@ -210,5 +216,10 @@ def _checked(
         raise CaseError(
             f"profile.thickness is {thickness:g}, {thickness / radius:.2g} of the particle's "
             f"radius {radius:g}; it may be at most {THICKEST:g} of it for a dielectric sphere."
+        )
+    if thickness < THINNEST * radius:
+        raise CaseError(
+            f"profile.thickness is {thickness:g}; it must be at least {THINNEST:g} of the "
+            f"particle's radius {radius:g} for a dielectric sphere."
         )
     return profile_named(profile) if isinstance(profile, str) else profile

@@ -20,9 +20,11 @@ from scipy.optimize import brentq
 from smoothprofile.errors import CaseError
 from smoothprofile.profiles import Profile, profile_named
 from smoothprofile.schemes import Scheme, scheme_named
-from smoothprofile.theory import elements, planar, radial, sharp
+from smoothprofile.theory import elements, planar, radial, sharp, straining
 
 THICKEST = 0.8
+# Of the radius, for ξ and √(νΔt): r in units of either then still has eight digits.
+THINNEST = 1e-8
 WALL = 8.0
 
 SHARP: dict[tuple[str, str], tuple[int, Callable[[float, float], float]]] = {
@@ -30,6 +32,7 @@ SHARP: dict[tuple[str, str], tuple[int, Callable[[float, float], float]]] = {
     ("cylinder", "translation"): (2, sharp.cylinder_drag),
     ("sphere", "rotation"): (3, sharp.sphere_torque),
     ("cylinder", "rotation"): (2, sharp.cylinder_torque),
+    ("sphere", "straining"): (3, sharp.sphere_stresslet),
 }
 """Dimensions of the radial problem, and the exact resistance, by shape and motion."""
 
@@ -96,7 +99,7 @@ def resistance_ratio(
     shape: str = "sphere",
     wall: float = WALL,
 ) -> float:
-    """Drag (or torque) of a body painted with radius `painted` over the sharp body's, `radius`.
+    """Drag, torque or stresslet of a body painted with radius `painted` over that of `radius`.
 
     Both in creeping flow inside a concentric wall of radius wall·radius, by the radial problem
     of `theory.radial`. viscous_length: √(νΔt), in the unit of the radius, as the thickness.
@@ -104,16 +107,18 @@ def resistance_ratio(
     profile, scheme = _resolved(profile, scheme)
     dimension, exact = _sharp(shape, motion)
     _positive(radius=radius, painted=painted, thickness=thickness, viscous_length=viscous_length)
-    translation = motion == "translation"
+    turning = motion == "rotation"
     resistance, slope = _coefficients(profile, scheme, painted, thickness, viscous_length)
     edges = elements.radial_edges(
-        painted, thickness, wall * radius, profile.core, profile.edge, not translation
+        painted, thickness, wall * radius, profile.core, profile.edge, turning
     )
-    if translation:
-        core = math.isfinite(profile.core)
-        found = radial.penalised_drag(dimension, resistance, slope, edges, core)
-    else:
+    core = math.isfinite(profile.core)
+    if turning:
         found = radial.penalised_torque(dimension, resistance, edges)
+    elif motion == "straining":
+        found = straining.penalised_stresslet(resistance, slope, edges, core)
+    else:
+        found = radial.penalised_drag(dimension, resistance, slope, edges, core)
     return found / exact(radius, wall * radius)
 
 
@@ -139,16 +144,18 @@ def painted_radius(
         ξ/a                     0.05      0.1       0.2       0.3
         sphere, translation     0.00181   0.00643   0.02100   0.03983
         sphere, rotation       −0.00014  −0.00103  −0.00745  −0.02319
+        sphere, straining       0.00329   0.01069   0.02831   0.04058
         cylinder, translation   0.00200   0.00744   0.02645   0.05435
         cylinder, rotation     −0.00005  −0.00039  −0.00279  −0.00880
 
-    One radius cannot serve both motions: a sphere painted for translation has a torque 0.6, 2.3,
-    8.7 and 19 % high at these ξ. The wall matters little: at 16a the last column of translation
-    is 0.03893 and 0.05086.
+    One radius cannot serve all: a sphere painted for translation has a torque 0.6, 2.3, 8.7 and
+    19 % high at these ξ, and a stresslet 0.4, 1.3, 2.2 and 0.2 % low. The wall matters little: at
+    16a the last column of translation is 0.03893 and 0.05086.
 
-    viscous_length: √(νΔt). motion: "translation" (a cylinder's, across its axis) or "rotation"
-    (a sphere's about a diameter, a cylinder's about its axis). wall: in radii, from 3 up.
-    CaseError if ξ > 0.8a, or if the radius found would be below ξ or above half the wall's.
+    viscous_length: √(νΔt). motion: "translation" (a cylinder's, across its axis), "rotation" (a
+    sphere's about a diameter, a cylinder's about its axis) or "straining" (a sphere's). wall: in
+    radii, from 3 up. CaseError if ξ > 0.8a, if ξ or √(νΔt) < 1e-8a, or if the radius found would
+    be below ξ or above half the wall's.
     """
     profile, scheme = _resolved(profile, scheme)
     _sharp(shape, motion)
@@ -170,6 +177,12 @@ def _check_layer(radius: float, thickness: float, viscous_length: float, wall: f
             f"profile.thickness is {thickness:g}, {thickness / radius:.2g} of the particle's "
             f"radius {radius:g}; it may be at most {THICKEST:g} of it for the surface to be moved."
         )
+    for name, length in (("profile.thickness", thickness), ("√(νΔt) of time.step", viscous_length)):
+        if length < THINNEST * radius:
+            raise CaseError(
+                f"{name} is {length:g}; it must be at least {THINNEST:g} of the particle's "
+                f"radius {radius:g} for the surface to be moved."
+            )
 
 
 @lru_cache(maxsize=1024)
@@ -193,14 +206,17 @@ def _painted_radius(
     guess = 1.0 + shift * thickness
     below = min(max(guess - thickness**2, lowest), highest)
     above = min(max(guess + thickness**2, lowest), highest)
+    # Ever longer strides: thin layers reach the root in a few dozen of them.
+    stride = thickness
     while below > lowest and excess(below) > 0.0:
-        below = max(below - thickness, lowest)
+        below, stride = max(below - stride, lowest), 2.0 * stride
+    stride = thickness
     while above < highest and excess(above) < 0.0:
-        above = min(above + thickness, highest)
+        above, stride = min(above + stride, highest), 2.0 * stride
     if not excess(below) <= 0.0 <= excess(above):
         raise CaseError(
             f"profile.thickness is {thickness:.3g} of a {shape}'s radius, and no painted radius "
-            f"gives it its own drag at √(νΔt) = {viscous_length:.3g} radii; take a thinner "
+            f"gives it its own resistance at √(νΔt) = {viscous_length:.3g} radii; take a thinner "
             f"interface, a step nearer to √(νΔt)/ξ = {_best_ratio(profile, scheme):.3f}, or "
             f'profile.retract = "planar".'
         )

@@ -147,7 +147,8 @@ def _force_rows() -> list[Row]:
             moments.cubes,
             5e-6,
             "Not a skewness, though the thesis takes it for one: it is 3⟨y⟩σ² + m₃, positive for "
-            "every f on positive y, and 0.12461 of it is 3⟨y⟩σ². Its last digit is one off.",
+            "every f on positive y, and 0.12461 of it is 3⟨y⟩σ². The thesis' last digit is one "
+            "off.",
         ),
         Row("m₃ of f", None, 4.0e-4, moments.third, 5e-6, "The third central moment."),
         Row("skewness m₃/σ³ of f", None, 0.246, moments.skewness, 5e-4),
@@ -194,7 +195,7 @@ def _shift_rows() -> list[Row]:
                 0.0,
                 flow_at(ratio, SHOWN, profile, position=position).stress_error,
                 1e-9,
-                f"{as_painted:+.3%} when painted at h: any Δt will do.".replace("-", "−"),
+                f"{100.0 * as_painted:+.3f} % when painted at h; any Δt will do.".replace("-", "−"),
             )
         )
     return rows

@@ -1,5 +1,7 @@
 """The flows of the Couette study, and the data of its figures."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
@@ -127,10 +129,16 @@ def _against_ratio() -> dict[str, np.ndarray]:
     ratios = np.union1d(np.linspace(0.2, 2.0, 46), np.linspace(0.68, 0.84, 17))
     columns = {"ratio": ratios}
     for thickness in THICKNESSES:
-        flows = [flow_at(ratio, thickness) for ratio in ratios]
-        columns[f"l2_error_{thickness:g}"] = np.array([flow.error for flow in flows])
-        columns[f"stress_error_{thickness:g}"] = np.array([flow.stress_error for flow in flows])
+        columns |= _errors(f"{thickness:g}", [flow_at(ratio, thickness) for ratio in ratios])
     return columns
+
+
+def _errors(name: str, flows: Sequence[Flow]) -> dict[str, np.ndarray]:
+    """L2 and stress error of some flows, as columns."""
+    return {
+        f"l2_error_{name}": np.array([flow.error for flow in flows]),
+        f"stress_error_{name}": np.array([flow.stress_error for flow in flows]),
+    }
 
 
 def _against_thickness() -> dict[str, np.ndarray]:
@@ -154,8 +162,7 @@ def _option_2_against_thickness() -> dict[str, np.ndarray]:
     columns = {"thickness": thicknesses}
     for ratio in SHOWN_VISCOSITY_RATIOS:
         flows = [smoothed_viscosity_at(thickness, ratio) for thickness in thicknesses]
-        columns[f"l2_error_{ratio:.0f}"] = np.array([flow.error for flow in flows])
-        columns[f"stress_error_{ratio:.0f}"] = np.array([flow.stress_error for flow in flows])
+        columns |= _errors(f"{ratio:.0f}", flows)
     return columns
 
 
@@ -164,8 +171,7 @@ def _option_2_against_viscosity() -> dict[str, np.ndarray]:
     columns = {"viscosity_ratio": ratios}
     for thickness in THICKNESSES:
         flows = [smoothed_viscosity_at(thickness, ratio) for ratio in ratios]
-        columns[f"l2_error_{thickness:g}"] = np.array([flow.error for flow in flows])
-        columns[f"stress_error_{thickness:g}"] = np.array([flow.stress_error for flow in flows])
+        columns |= _errors(f"{thickness:g}", flows)
     return columns
 
 

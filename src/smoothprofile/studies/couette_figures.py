@@ -5,10 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from smoothprofile.figures import (
+    EXACT,
     LEVEL,
     PALETTE,
     Picture,
     drawing,
+    legend_below,
     new_figure,
     new_panels,
     power_of_ten,
@@ -18,8 +20,6 @@ Columns = Mapping[str, np.ndarray]
 
 HEIGHT, WALL = 3.3, 3.0
 PANELS = {"height": 3.6, "width": 9.4}
-BELOW = {"loc": "outside lower center"}
-EXACT = {"color": "black", "linestyle": "--", "linewidth": 1.0}
 SCHEMES = ("backward-euler", "crank-nicolson", "bdf2", "bdf3")
 PROFILES = ("tanh", "quartic", "quartic-centred", "sine")
 THICKNESSES, VISCOSITIES = ("0.2", "0.1", "0.05"), ("0.5", "1", "2")
@@ -57,24 +57,39 @@ def _sketch(standard: Columns) -> Picture:
     axes.axhline(0, color="black", linewidth=3, label="plate at rest")
     axes.set(title="The flow", xlabel="u (–)", ylabel="y (–)", xlim=(-0.05, 1.15), ylim=(-0.1, 6))
     axes.set_yticks([0, 3, 6], ["0", "h = 3", "2h = 6"])
-    figure.legend(**BELOW, ncols=3)
+    legend_below(axes, 3)
     caption = "Planar Couette flow: fluid below y = h, a moving wall above. (Figure 3.1)"
     return Picture("sketch", caption, figure)
 
 
 def _velocity(standard: Columns) -> Picture:
-    figure, axes = new_figure(HEIGHT)
-    axes.plot(standard["y"], standard["exact_velocity"], **EXACT, label="u, sharp wall")
-    axes.plot(standard["y"], standard["predicted_velocity"], label="u*, before the impulse")
-    axes.plot(standard["y"], standard["velocity"], label="uⁿ, after the impulse")
-    axes.set(title="Velocity near the wall", xlabel="y (–)", ylabel="u (–)")
-    axes.set(xlim=(2.6, 3.6), ylim=(0.85, 1.02))
-    figure.legend(**BELOW, ncols=3)
+    lines = {
+        "u*, before the impulse": (standard, "predicted_velocity"),
+        "uⁿ, after the impulse": (standard, "velocity"),
+    }
     caption = (
         "Velocity near the wall at y = 3: backward Euler, tanh, ξ = 0.1, Δt = 0.005625 "
         "(k = 0.75). (Figure 3.2)"
     )
-    return Picture("velocity", caption, figure)
+    return _near_wall("velocity", "Velocity near the wall", standard, lines, 3.6, caption)
+
+
+def _near_wall(
+    name: str,
+    title: str,
+    standard: Columns,
+    lines: Mapping[str, tuple[Columns, str]],
+    highest: float,
+    caption: str,
+) -> Picture:
+    """Velocities beside that at a sharp wall; lines: label -> where they are, and their column."""
+    figure, axes = new_figure(HEIGHT)
+    axes.plot(standard["y"], standard["exact_velocity"], **EXACT, label="u, sharp wall")
+    for label, (columns, velocity) in lines.items():
+        axes.plot(columns["y"], columns[velocity], label=label)
+    axes.set(title=title, xlabel="y (–)", ylabel="u (–)", xlim=(2.6, highest), ylim=(0.85, 1.02))
+    legend_below(axes, 3)
+    return Picture(name, caption, figure)
 
 
 def _force(standard: Columns, option_1: Columns) -> Picture:
@@ -83,7 +98,7 @@ def _force(standard: Columns, option_1: Columns) -> Picture:
     axes.plot(option_1["y"], option_1["force_density"], "--", label="option 1, f = τ₀ dφ/dy")
     axes.axvline(WALL, **LEVEL, label="wall, y = h")
     axes.set(title="Force density", xlabel="y (–)", ylabel="f (–)", xlim=(2.4, 3.6))
-    figure.legend(**BELOW, ncols=3)
+    legend_below(axes, 3)
     caption = (
         "Force density f of the force on the fluid, ξ = 0.1, Δt = 0.005625: skewed towards the "
         "inside of the wall, beside the symmetrical one of option 1. (Figure 3.3)"
@@ -134,18 +149,13 @@ def _against_ratio(curves: Columns) -> Picture:
 
 
 def _option_1(standard: Columns, option_1: Columns) -> Picture:
-    figure, axes = new_figure(HEIGHT)
-    axes.plot(standard["y"], standard["exact_velocity"], **EXACT, label="u, sharp wall")
-    axes.plot(option_1["y"], option_1["velocity"], label="u, option 1")
-    axes.plot(standard["y"], standard["velocity"], label="uⁿ, k = 0.75")
-    axes.set(title="Velocity near the wall, option 1", xlabel="y (–)", ylabel="u (–)")
-    axes.set(xlim=(2.6, 3.8), ylim=(0.85, 1.02))
-    figure.legend(**BELOW, ncols=3)
+    lines = {"u, option 1": (option_1, "velocity"), "uⁿ, k = 0.75": (standard, "velocity")}
     caption = (
         "Option 1, the closed form for the force τ₀ dφ/dy, beside the smoothed profile method; "
         "ξ = 0.1. (Figure 3.6)"
     )
-    return Picture("option-1-velocity", caption, figure)
+    title = "Velocity near the wall, option 1"
+    return _near_wall("option-1-velocity", title, standard, lines, 3.8, caption)
 
 
 def _against_thickness(curves: Columns) -> Picture:
@@ -161,7 +171,7 @@ def _against_thickness(curves: Columns) -> Picture:
         axes.loglog(thickness, curves[name], style, label=label)
     axes.set(title="Errors against the thickness", xlabel="ξ (–)", ylabel="error (–)")
     _powers(axes, "x", "y")
-    figure.legend(**BELOW, ncols=2)
+    legend_below(axes, 2)
     caption = (
         "Errors against ξ, tanh: option 1 and k = 0.755222 have order 3/2 exactly; k = 0.75 "
         "falls from 3/2 to 1 as the misplaced wall takes over. (Figure 3.7)"

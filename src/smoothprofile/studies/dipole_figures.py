@@ -4,14 +4,21 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from smoothprofile.figures import LEVEL, PALETTE, Picture, drawing, new_figure, new_panels
+from smoothprofile.figures import (
+    EXACT,
+    GUIDE,
+    LEVEL,
+    PALETTE,
+    Picture,
+    drawing,
+    legend_below,
+    new_figure,
+    new_panels,
+)
 
 Columns = Mapping[str, np.ndarray]
 
 WIDE = {"height": 3.7, "width": 9.4}
-EXACT = {"color": "black", "linestyle": "--", "linewidth": 1.0}
-GUIDE = {"color": "#888888", "linestyle": ":", "linewidth": 1.2}
-BELOW = {"loc": "outside lower center"}
 RATIO, THICKNESS = "R = ε₁/ε₂ (–)", "ξ/a (–)"
 ERROR, RADIUS = "error of B, (B − B₀)/B₀ (%)", "a_eff/a (–)"
 RATIOS, THICKNESSES, RETRACTED = ("0.1", "2", "10", "100"), ("0.05", "0.1", "0.2"), (2, 20, 40)
@@ -52,7 +59,7 @@ def _field(columns: Columns) -> Picture:
         axes.plot(columns["r"], columns[f"exact_{name}"], **EXACT, label="sharp sphere")
         axes.axvline(1.0, **GUIDE, label="painted surface")
         axes.set(title=f"{name.capitalize()}, R = 10", xlabel="r/a (–)", ylabel=label)
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=3)
+    legend_below(panels[0], 3)
     return Picture(
         "field",
         "Potential and displacement of the dipole along the radius, tanh, ε interpolated, started "
@@ -62,39 +69,45 @@ def _field(columns: Columns) -> Picture:
 
 
 def _against_thickness(profile: str, columns: Columns, number: str) -> Picture:
-    figure, panels = new_panels(2, **WIDE)
-    for colour, ratio in zip(PALETTE, RATIOS, strict=False):
-        style = {"color": colour, "label": f"R = {ratio}"}
-        panels[0].plot(columns["thickness"], 100 * columns[f"error_R{ratio}"], **style)
-        panels[1].plot(columns["thickness"], columns[f"radius_R{ratio}"], **style)
-    for axes, label, exact in zip(panels, (ERROR, RADIUS), (0.0, 1.0), strict=True):
-        axes.axhline(exact, **EXACT, label="exact")
-        axes.set(title=f"{profile}, ε interpolated", xlabel=THICKNESS, ylabel=label, xlim=(0, None))
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=5)
-    return Picture(
-        f"{profile}-against-thickness",
+    cases = {f"R{ratio}": f"R = {ratio}" for ratio in RATIOS}
+    style = {"xlabel": THICKNESS, "xlim": (0, None)}
+    caption = (
         f"Error of the dipole's B and effective radius against the thickness of the interface, "
-        f"{profile}: first order for every R. Thesis, figure {number}.",
-        *(figure, True),
+        f"{profile}: first order for every R. Thesis, figure {number}."
     )
+    return _error_and_radius(profile, "thickness", columns, cases, style, caption)
 
 
 def _against_ratio(profile: str, columns: Columns, number: str) -> Picture:
-    figure, panels = new_panels(2, **WIDE)
-    for colour, thickness in zip(PALETTE, THICKNESSES, strict=False):
-        style = {"color": colour, "label": f"ξ = {thickness}a"}
-        panels[0].plot(columns["ratio"], 100 * columns[f"error_{thickness}"], **style)
-        panels[1].plot(columns["ratio"], columns[f"radius_{thickness}"], **style)
-    for axes, label, exact in zip(panels, (ERROR, RADIUS), (0.0, 1.0), strict=True):
-        axes.axhline(exact, **EXACT, label="exact")
-        axes.set(title=f"{profile}, ε interpolated", xlabel=RATIO, ylabel=label, xscale="log")
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=4)
-    return Picture(
-        f"{profile}-against-ratio",
+    cases = {thickness: f"ξ = {thickness}a" for thickness in THICKNESSES}
+    style = {"xlabel": RATIO, "xscale": "log"}
+    caption = (
         f"Error of the dipole's B and effective radius against the ratio of permittivities, "
-        f"{profile}. Thesis, figure {number}.",
-        *(figure, True),
+        f"{profile}. Thesis, figure {number}."
     )
+    return _error_and_radius(profile, "ratio", columns, cases, style, caption)
+
+
+def _error_and_radius(
+    profile: str,
+    against: str,
+    columns: Columns,
+    cases: Mapping[str, str],
+    style: Mapping,
+    caption: str,
+) -> Picture:
+    """Error of B, and a_eff, against a column; cases: ends of the columns' names -> labels."""
+    figure, panels = new_panels(2, **WIDE)
+    for axes, name, label, factor, exact in zip(
+        *(panels, ("error", "radius"), (ERROR, RADIUS), (100.0, 1.0), (0.0, 1.0)), strict=True
+    ):
+        for colour, (case, shown) in zip(PALETTE, cases.items(), strict=False):
+            values = factor * columns[f"{name}_{case}"]
+            axes.plot(columns[against], values, color=colour, label=shown)
+        axes.axhline(exact, **EXACT, label="exact")
+        axes.set(title=f"{profile}, ε interpolated", ylabel=label, **style)
+    legend_below(panels[0], len(cases) + 1)
+    return Picture(f"{profile}-against-{against}", caption, figure, wide=True)
 
 
 def _collapse(profile: str, columns: Columns, number: str) -> Picture:
@@ -152,7 +165,7 @@ def _smoothings(profile: str, columns: Columns, origin: str) -> Picture:
             axes.plot(columns["ratio"], error, label=label)
         axes.axhline(0.0, **EXACT, label="exact")
         axes.set(title=f"{profile}, ξ = {thickness}a", xlabel=RATIO, ylabel=ERROR, xscale="log")
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=4)
+    legend_below(panels[0], 4)
     return Picture(
         f"{profile}-smoothings",
         f"Error of the dipole's B against the ratio of permittivities, {profile}, for three ways "
@@ -176,7 +189,7 @@ def _retraction(columns: Columns) -> Picture:
         axes.loglog(thickness, 0.005 * thickness**2, **GUIDE)
         axes.set(title=f"{name.capitalize()}, quartic", xlabel=THICKNESS)
         axes.set_ylabel("|error of B| (–)")
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=4)
+    legend_below(panels[0], 4)
     return Picture(
         "retraction",
         "Error of B of dipole and quadrupole with the sphere painted at its radius, and at "
@@ -196,7 +209,7 @@ def _tensor(columns: Columns) -> Picture:
         axes.loglog(thickness, 0.03 * thickness**2, **GUIDE)
         axes.set(title=f"{name.capitalize()}, tensor, R = 10", xlabel=THICKNESS)
         axes.set_ylabel("|error of B| (–)")
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=5)
+    legend_below(panels[0], 5)
     return Picture(
         "tensor",
         "Error of B with tensor smoothing: second order for every profile but the quartic as "

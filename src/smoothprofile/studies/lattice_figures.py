@@ -4,13 +4,19 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from smoothprofile.figures import LEVEL, PALETTE, Picture, drawing, new_panels
+from smoothprofile.figures import (
+    GUIDE,
+    LEVEL,
+    PALETTE,
+    Picture,
+    drawing,
+    legend_below,
+    new_panels,
+)
 
 Columns = Mapping[str, np.ndarray]
 
 WIDE = {"height": 3.7, "width": 9.4}
-GUIDE = {"color": "#888888", "linestyle": ":", "linewidth": 1.2}
-BELOW = {"loc": "outside lower center"}
 LEVELS = 42
 CELLS = {"4": ("0.05", "4.15", "4.16"), "8": ("0.1", "4.17", "4.18")}
 OUTCOMES = (
@@ -121,7 +127,7 @@ def _smoothings(columns: Columns) -> Picture:
         point = columns["staggered_thickness"][:1], columns[f"{name}_staggered"][:1]
         axes.plot(*point, "o", color=PALETTE[1], label="staggered grid, ξ = 0.75Δx, N = 128")
         axes.set(title=f"{title}, L = 4a, R = 2", xlabel="ξ/a (–)", ylabel=label, xlim=(0, None))
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=4)
+    legend_below(panels[0], 4)
     return Picture(
         "smoothings",
         "Effective permittivity, and mean of (−∇ψ)₁ in a box of side a, against the thickness of "

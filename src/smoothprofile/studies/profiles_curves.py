@@ -30,8 +30,8 @@ CHOSEN = ("tanh", 0.75)
 THEORY_WIDTH = 2.0 / 8.0
 """10–90 % width over the radius: two cells of a sphere of eight."""
 DEGREES = {1: "dipole", 2: "quadrupole", 3: "octupole"}
-TOLERANCE = 1e-3
-"""Of the residual, which enters the energy squared."""
+TOLERANCE = 1e-5
+"""Of the residual, which enters the energy squared; the least holding forces are 1e-5 of that."""
 LONG, SHORT, ROOM = 10, 5, 48
 """Half axes of a spheroid and the side of its box, in cells."""
 

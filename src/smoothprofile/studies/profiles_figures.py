@@ -4,13 +4,19 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from smoothprofile.figures import LEVEL, PALETTE, Picture, drawing, new_panels
+from smoothprofile.figures import (
+    GUIDE,
+    LEVEL,
+    PALETTE,
+    Picture,
+    drawing,
+    legend_below,
+    new_panels,
+)
 from smoothprofile.studies.profiles_curves import CHOSEN_WIDTH
 
 Columns = Mapping[str, np.ndarray]
 
-BELOW = {"loc": "outside lower center"}
-GUIDE = {"color": "#888888", "linestyle": ":", "linewidth": 1.2}
 RATIO, ACROSS = "R = ε₁/ε₂ (–)", "cells across the layer, 10–90 % (–)"
 SMOOTHINGS = ("arithmetic", "harmonic", "tensor")
 DASHES = {"tanh": "-", "sine": "--", "quartic-centred": ":", "quartic": "-."}
@@ -50,7 +56,7 @@ def _answer(curves: Mapping[str, Columns]) -> Picture:
     shown = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0)
     panels[0].set_yticks(shown, [f"{value:g}" for value in shown])
     panels[0].set_yticks((), minor=True)
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=4)
+    legend_below(panels[0], 4)
     return Picture(
         "recommendation",
         "Square array of cylinders, a = 8Δx, tensor smoothing, the worst of R = 0.01, 0.1, 2, 10, "
@@ -73,7 +79,7 @@ def _every_ratio(curves: Mapping[str, Columns]) -> Picture:
         axes.axhline(0.0, **LEVEL, label="exact")
         axes.axvline(CHOSEN_WIDTH, **GUIDE, label="1.65 cells")
         axes.set(title=f"R = {ratio}", xlabel="cells across (–)", ylabel="error of ε_eff (%)")
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=4)
+    legend_below(panels[0], 4)
     return Picture(
         "every-ratio",
         "Error of the effective permittivity of a square array of cylinders, a = 8Δx, tensor "
@@ -99,7 +105,7 @@ def _theory(curves: Mapping[str, Columns]) -> Picture:
                     columns["ratio"], values, **style, label=f"{smoothing}, {NAMES[profile]}"
                 )
         axes.set(title=title, xlabel=RATIO, ylabel="|a_eff − a|/a (%)", ylim=(0.01, 60.0))
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=6)
+    legend_below(panels[0], 6)
     return Picture(
         "theory",
         "Effective radius of a sphere whose layer is a quarter of its radius wide from 10 to 90 % "

@@ -4,14 +4,19 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from smoothprofile.figures import PALETTE, Picture, drawing, new_panels
+from smoothprofile.figures import (
+    EXACT,
+    GUIDE,
+    PALETTE,
+    Picture,
+    drawing,
+    legend_below,
+    new_panels,
+)
 
 Columns = Mapping[str, np.ndarray]
 
 WIDE = {"height": 3.8, "width": 9.4}
-EXACT = {"color": "black", "linestyle": "--", "linewidth": 1.0}
-GUIDE = {"color": "#888888", "linestyle": ":", "linewidth": 1.2}
-BELOW = {"loc": "outside lower center"}
 ERROR = "error of the force, (exact − F)/exact (%)"
 LABELS = {
     "uncorrected": "as painted",
@@ -47,7 +52,8 @@ def _gauss(quartic: Columns, tanh: Columns) -> Picture:
         axes.set_ylabel(ERROR)
         other.set_ylabel("ε/ε₂ (–)")
     labels = ("error (left)", "ε/ε₂ (right)", "a + ξ/2, and a + 5ξ for tanh")
-    figure.legend((error, medium, level), labels, **BELOW, ncols=3)
+    handles = error, medium, level
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return Picture(
         "gauss-radius",
         "Error of the force by the stress (4.22), which has ε₂ everywhere, against the radius of "
@@ -72,7 +78,7 @@ def _uncorrected(columns: Columns) -> Picture:
     panels[1].set(
         title="Quartic, R = 2, logarithmic", xlabel="ξ/a (–)", ylabel="|error of the force| (–)"
     )
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=3)
+    legend_below(panels[0], 3)
     return Picture(
         "uncorrected",
         "Error of the force against the thickness of the interface, on a Gauss sphere at a + ξ/2: "
@@ -98,7 +104,7 @@ def _corrected(columns: Columns) -> Picture:
             axes.loglog(thickness, np.abs(columns[f"{prefix}{name}"]), **style)
         axes.loglog(thickness, 0.1 * thickness**2, **GUIDE, label="order 2")
         axes.set(title=title, xlabel="ξ/a (–)", ylabel="|error of the force| (–)", ylim=(3e-5, 0.2))
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=5)
+    legend_below(panels[0], 5)
     return Picture(
         "corrected",
         "Error of the force with the sphere painted at 1/a_eff, quartic, R = 2: second order with "
@@ -116,7 +122,7 @@ def _against_ratio(columns: Columns) -> Picture:
             axes.plot(columns["ratio"], error, label=f"ξ = {thickness}a")
         axes.axhline(0.0, **EXACT, label="exact")
         axes.set(title=title, xlabel="R = ε₁/ε₂ (–)", ylabel=ERROR, xscale="log")
-    figure.legend(*panels[0].get_legend_handles_labels(), **BELOW, ncols=4)
+    legend_below(panels[0], 4)
     return Picture(
         "against-ratio",
         "Error of the force, 1 − a_eff³, against the ratio of permittivities, as the thesis does "

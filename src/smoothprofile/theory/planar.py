@@ -28,7 +28,7 @@ def tanh_shift(ratio: float, implicit: float = 1.0) -> float:
     Derivation. With θ = 1, χ = φ/k² = 1/(k²(1+e^{2z})). In the variable −e^{2z} the solution
     that decays into the solid is e^{z/k}₂F₁(1/(2k), 1/(2k); 1+1/k; −e^{2z}); its connection
     formula, with equal parameters, has a logarithm whose constant is s₀. With θ < 1 the weight
-    φ/(1−(1−θ)φ) = φ(z − ½ln θ)/θ is a tanh again: moved out by −½ln(1/θ), k multiplied by √θ.
+    φ/(1−(1−θ)φ) = φ(z − ½ln θ)/θ is a tanh again: moved in by ½ln(1/θ), k multiplied by √θ.
     """
     k = ratio * math.sqrt(implicit)
     return -0.5 * math.log(implicit) - np.euler_gamma - float(digamma(0.5 / k)) - k

@@ -27,6 +27,16 @@ def sphere_torque(radius: float, wall: float) -> float:
     return 8 * math.pi * radius**3 / (1 - (radius / wall) ** 3)
 
 
+def sphere_stresslet(radius: float, wall: float) -> float:
+    """(20/3)πa³·4(1−λ⁷)/(4 − 25λ³ + 42λ⁵ − 25λ⁷ + 4λ¹⁰), over the rate of strain at the wall.
+
+    Source: Simha's cell, as in Happel & Brenner, §9-4; at λ = 0 Einstein's (20/3)πa³.
+    """
+    ratio = radius / wall
+    denominator = 4 - 25 * ratio**3 + 42 * ratio**5 - 25 * ratio**7 + 4 * ratio**10
+    return 80 / 3 * math.pi * radius**3 * (1 - ratio**7) / denominator
+
+
 def cylinder_torque(radius: float, wall: float) -> float:
     """4πa²/(1−λ²), for unit relative rate of rotation about the axis, per length."""
     return 4 * math.pi * radius**2 / (1 - (radius / wall) ** 2)
