@@ -46,6 +46,8 @@ component = "x"
 class FakeSimulation:
     """Stokes flow past a fixed sphere with a made-up approach to a steady state."""
 
+    bodies_move = False
+
     def __init__(self, case_toml: str = CASE, time_step: float = 0.05, bodies: int = 1):
         data = tomllib.loads(case_toml)
         output = {"fields_every": None, "wall_line": None} | data["output"]

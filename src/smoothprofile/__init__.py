@@ -12,7 +12,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 os.environ.setdefault("GOMP_SPINCOUNT", "0")
 
 if TYPE_CHECKING:
-    from smoothprofile import calibration, shapes, threads
+    from smoothprofile import calibration, shapes, suspension, threads
     from smoothprofile.config import Case, load_case
     from smoothprofile.electrostatics import Electrostatics
     from smoothprofile.errors import BlowUpError, CaseError
@@ -32,7 +32,7 @@ _HOMES = {
     "from_file": "runs",
     "load_case": "config",
 }
-_MODULES = ("calibration", "shapes", "threads")
+_MODULES = ("calibration", "shapes", "suspension", "threads")
 
 __all__ = [
     "BlowUpError",
@@ -46,6 +46,7 @@ __all__ = [
     "from_file",
     "load_case",
     "shapes",
+    "suspension",
     "threads",
 ]
 

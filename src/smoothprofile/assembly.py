@@ -1,5 +1,8 @@
 """From a case to the parts that run it: grid, flow, particles, field."""
 
+import math
+from functools import partial
+
 import numpy as np
 
 from smoothprofile import rotations
@@ -12,8 +15,10 @@ from smoothprofile.config import (
     Faces,
     Focus,
     body_shape,
+    build_shape,
     start_position,
 )
+from smoothprofile.electric.action import ElectricAction, NoField
 from smoothprofile.electric.field import Drive, ResolvedField
 from smoothprofile.electric.medium import default_thickness, dielectric_medium
 from smoothprofile.electric.potential import electrode_field
@@ -30,7 +35,7 @@ from smoothprofile.particles.inertia import DisplacedFluid
 from smoothprofile.particles.loads import Impulse
 from smoothprofile.particles.motion import Course, PrescribedMotion
 from smoothprofile.particles.paint import Painter
-from smoothprofile.particles.particles import Particles
+from smoothprofile.particles.particles import Particles, Pull, no_pull
 from smoothprofile.profiles import profile_named
 from smoothprofile.schemes import scheme_named
 from smoothprofile.shapes import touching
@@ -90,10 +95,11 @@ def build_particles(
     step: float,
     speed: float = 0.0,
     courses: dict[int, Course] | None = None,
+    pull: Pull = no_pull,
 ) -> Particles:
     """The bodies of a case, painted for that step; courses overrule the motion of some.
 
-    speed: how fast bodies are expected to move, at most.
+    speed: how fast bodies are expected to move, at most. pull: what a field does to them.
     """
     shapes = [body_shape(particle) for particle in case.particles]
     offsets = [
@@ -120,7 +126,8 @@ def build_particles(
     contact = build_contact(case, flow.grid, forms, displaced, free, speed)
     walls = flow.parameters.walls
     moving = FreeMotion(free, displaced, density, contact, walls.velocities)
-    return Particles(state, motion, moving, displaced, painter, Impulse(flow.grid), density)
+    impulse = Impulse(flow.grid)
+    return Particles(state, motion, moving, displaced, painter, impulse, density, pull)
 
 
 def starting_state(case: Case) -> BodyState:
@@ -136,7 +143,7 @@ def build_field(case: Case, grid: Grid) -> ResolvedField | SpectralField:
     electric = case.electric
     shapes = [body_shape(particle) for particle in case.particles]
     values = [particle.permittivity for particle in case.particles]
-    drive, ends = _drive(electric, grid)
+    drive, ends = drive_at(electric, grid, 0.0), _electrode_axis(electric)
     limits = (electric.tolerance, electric.max_iterations)
     if electric.discretisation == SPECTRAL:
         layer = (profile_named(electric.profile), layer_thickness(electric, grid))
@@ -161,15 +168,57 @@ def layer_thickness(electric: Electric, grid: Grid) -> float:
     return electric.thickness or default_thickness(grid)
 
 
-def _drive(electric: Electric, grid: Grid) -> tuple[Drive, int | None]:
-    """What drives the field, and the axis of the electrodes."""
+def drive_at(electric: Electric, grid: Grid, time: float) -> Drive:
+    """What drives the field at that time."""
+    turn = (electric.angular_frequency or 0.0) * time
+    wave, quarter = math.cos(turn), math.sin(turn)
+    mean = [
+        wave * along + quarter * across
+        for along, across in zip(electric.field, electric.quadrature, strict=True)
+    ]
     ends = electric.electrodes
     if ends is None:
-        return Drive(electric.field), None
-    axis = AXES.index(ends.axis)
-    between = electrode_field(grid, axis, ends.low, ends.high)
-    field = tuple(given + part for given, part in zip(electric.field, between, strict=True))
-    return Drive(field, 0.5 * (ends.low + ends.high)), axis
+        return Drive(tuple(mean))
+    low, high = wave * ends.low, wave * ends.high
+    between = electrode_field(grid, AXES.index(ends.axis), low, high)
+    field = tuple(given + part for given, part in zip(mean, between, strict=True))
+    return Drive(field, 0.5 * (low + high))
+
+
+def _electrode_axis(electric: Electric) -> int | None:
+    return electric.electrodes and AXES.index(electric.electrodes.axis)
+
+
+def build_action(case: Case, grid: Grid) -> ElectricAction | NoField:
+    """What the field of a case does to its bodies."""
+    electric = case.electric
+    if electric is None or not case.particles:
+        return NoField()
+    return ElectricAction(
+        build_field(case, grid), partial(drive_at, electric, grid), electric.every
+    )
+
+
+def contact_pull(case: Case) -> np.ndarray:
+    """(n,) how hard a field may press each body against its like: that of touching dipoles.
+
+    F = 24πβ²ε a²E²/(r/a)⁴ at r = 2a, and R times that in the gap of good conductors, taken no
+    further than ten times.
+    """
+    electric = case.electric
+    if electric is None:
+        return np.zeros(len(case.particles))
+    strongest = np.linalg.norm(np.maximum(np.abs(electric.field), np.abs(electric.quadrature)))
+    if electric.electrodes is not None:
+        ends = electric.electrodes
+        length = case.domain.lengths[AXES.index(ends.axis)]
+        strongest = math.hypot(strongest, (ends.high - ends.low) / length)
+    ratio = np.array([p.permittivity for p in case.particles]) / electric.permittivity
+    beta = (ratio - 1.0) / (ratio + 2.0)
+    near = np.clip(ratio, 1.0, 10.0)
+    size = np.array([build_shape(particle).reach for particle in case.particles])
+    size = np.where(np.isfinite(size), size, 0.0)
+    return 1.5 * math.pi * beta**2 * near * electric.permittivity * (size * strongest) ** 2
 
 
 def free_bodies(case: Case) -> FreeBodies:
@@ -199,7 +248,7 @@ def build_contact(
     mass, weight = np.full(count, np.inf), np.full(count, np.inf)
     mass[free.rows] = (free.density + 0.5 * density) * volume
     pull = free.force + ((free.density - density) * volume)[:, None] * free.gravity
-    weight[free.rows] = np.linalg.norm(pull, axis=1)
+    weight[free.rows] = np.linalg.norm(pull, axis=1) + contact_pull(case)[free.rows]
     turning = np.zeros((count, 3, 3))
     turning[free.rows] = np.linalg.inv(free.density[:, None, None] * inertia)
     cell = min(float(axis.widths.min()) for axis in grid.axes)

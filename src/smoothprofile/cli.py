@@ -207,7 +207,10 @@ def study(
     ] = "list",
     out: Annotated[
         Path | None,
-        typer.Option(metavar="DIRECTORY", help="Where to write; studies/NAME if left out."),
+        typer.Option(
+            metavar="DIRECTORY",
+            help="Where to write; studies/NAME if left out, and with list a JSON file.",
+        ),
     ] = None,
     json: Json = False,
 ) -> None:
@@ -217,7 +220,7 @@ def study(
 
         if name == "list":
             entries = [{"name": key, "description": text} for key, text in STUDIES.items()]
-            if answer({"studies": entries}, json, None):
+            if answer({"studies": entries}, json, out):
                 print_table("Studies", ("name", "what it is"), list(STUDIES.items()))
                 say("spm study NAME runs one; spm study all runs them all.")
             return

@@ -33,9 +33,14 @@ def print_json(data: Any) -> None:
 
 
 def check_free(path: Path | None, kind: str = "file") -> None:
-    """CaseError if the path is taken; to be asked before any work is done for it."""
-    if path is not None and path.exists():
+    """CaseError if the path is taken or lies below a file; to be asked before any work for it."""
+    if path is None:
+        return
+    if path.exists():
         raise CaseError(f"the {kind} {path} exists already; nothing was overwritten.")
+    nearest = next(parent for parent in path.parents if parent.exists())
+    if not nearest.is_dir():
+        raise CaseError(f"the {kind} {path} cannot be made: {nearest} is not a directory.")
 
 
 def answer(data: Any, json: bool, out: Path | None) -> bool:

@@ -14,6 +14,8 @@ from smoothprofile.flow.state import FlowState
 from smoothprofile.particles.particles import Particles
 
 Coupling = Callable[[Flow, Particles, FlowState, float], None]
+# Each leaves a third of what goes through a sphere, and two thirds through a disc.
+START_ROUNDS = 10
 
 
 def incremental(flow: Flow, particles: Particles, state: FlowState, dt: float) -> None:
@@ -44,6 +46,24 @@ def thesis(flow: Flow, particles: Particles, state: FlowState, dt: float) -> Non
     flow.finish(state, step)
 
 
+def set_out(flow: Flow, particles: Particles, state: FlowState) -> None:
+    """u⁰ such that hardly any fluid flows through a body: u ← P[u + φ(u_p − u)], a few times.
+
+    A free body starts at its velocity only if the fluid around and inside it does.
+    """
+    if not particles.free.rows.size:
+        return
+    for _ in range(START_ROUNDS):
+        if particles.carry(state.velocity) == 0.0:
+            return
+        for axis, target in flow.mean_flow.targets.items():
+            velocity = state.velocity[axis]
+            velocity += velocity.dtype.type(target - flow.mean_flow.plain_mean(velocity, axis))
+        flow.fill(state.velocity, state.time)
+        flow.projection.make_divergence_free(state.velocity)
+        flow.fill(state.velocity, state.time)
+
+
 COUPLINGS: dict[str, Coupling] = {"incremental": incremental, "thesis": thesis}
 
 
@@ -55,8 +75,9 @@ def coupling_named(name: str) -> Coupling:
 
 
 def move_and_paint(flow: Flow, particles: Particles, state: FlowState, dt: float) -> None:
-    """Bodies to their places at the end of the step, and φ with them."""
+    """Bodies to their places at the end of the step, what acts on them there, and φ with them."""
     particles.move(state.time + dt, state.time, flow.parameters.scheme.levels)
+    particles.feel(state.time + dt)
     particles.paint()
 
 
@@ -71,4 +92,4 @@ def settle(flow: Flow, particles: Particles, step: Step) -> None:
     particles.settle(step.velocity, step.scheme, step.dt)
     flow.hold_mean(step, mean)
     if flow.mean_flow.targets:
-        particles.settle(step.velocity, step.scheme, step.dt)
+        particles.settle_with(flow.mean_flow.force, step.scheme, step.dt)

@@ -9,6 +9,8 @@ import numpy as np
 
 from smoothprofile.jsontext import plain
 
+SUFFIXES = {3: "xyz", 4: "wxyz", 6: ("xx", "yy", "zz", "yz", "xz", "xy")}
+
 
 class GrowingTable:
     """A CSV file that grows: the first row names the columns, each row is flushed."""
@@ -54,13 +56,13 @@ def number_columns(rows: list[dict[str, str]]) -> dict[str, np.ndarray]:
 
 
 def flat_row(values: Mapping[str, Any]) -> dict[str, Any]:
-    """A vector as three columns _x, _y, _z, a quaternion as four, _w first."""
+    """A vector as columns _x, _y, _z, a quaternion as four, _w first, a symmetric tensor as six."""
     flat = {}
     for name, value in values.items():
         parts = plain(value) if isinstance(value, list | tuple | np.ndarray) else None
         if parts is None:
             flat[name] = value
             continue
-        suffixes = {3: "xyz", 4: "wxyz"}.get(len(parts)) or range(len(parts))
+        suffixes = SUFFIXES.get(len(parts)) or range(len(parts))
         flat |= {f"{name}_{suffix}": part for suffix, part in zip(suffixes, parts, strict=True)}
     return flat

@@ -13,15 +13,14 @@ from typing import Any
 
 import numpy as np
 
+from smoothprofile import cuts
 from smoothprofile.assembly import build_field, build_grid, starting_state
 from smoothprofile.config import Case, build_shape, load_case
 from smoothprofile.electric.enclosing import enclosing_loads
-from smoothprofile.electric.field import ResolvedField, at_points, padded
+from smoothprofile.electric.field import ResolvedField, at_points
 from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.field_checks import check_field_memory, field_checks
-from smoothprofile.grid import AXIS_NAMES
 from smoothprofile.preflight import Check, refuse
-from smoothprofile.sampling import CENTRED, on_plane
 from smoothprofile.solvers.krylov import SolveReport
 from smoothprofile.tables import field_table
 from smoothprofile.threads import thread_count
@@ -151,37 +150,17 @@ class Electrostatics:
         return found
 
     def sample_plane(self, axis: str, at: float) -> dict[str, Any]:
-        """|E|, in-plane E, V and φ on the cell centres of a plane."""
-        a = AXIS_NAMES.index(axis)
-        first, second = (d for d in range(3) if d != a)
-
-        def cut(values: np.ndarray) -> np.ndarray:
-            return on_plane(self.grid, padded(self.grid, values), CENTRED, a, at)
-
-        field = [cut(part) for part in self.electric_field]
-        places, forces = self._forces_on(a, at, (first, second))
+        """|E|, in-plane E, V and φ on the cell centres of a plane, and the forces on its bodies."""
+        reach = np.array([build_shape(particle).reach for particle in self.case.particles])
+        forces = {}
+        if self._loads is not None and self.case.particles:
+            state, force = self.bodies, self._loads.force
+            forces = cuts.forces_in_cut(self.grid, state, reach, force, axis, at)
         return {
-            "x": self.grid.axes[first].centres,
-            "y": self.grid.axes[second].centres,
-            "strength": np.sqrt(sum(part**2 for part in field)),
-            "electric_field": np.stack([field[first], field[second]]),
-            "potential": cut(self.potential),
-            "indicator": cut(self.indicator),
-            "labels": (AXIS_NAMES[first], AXIS_NAMES[second]),
-            "places": places,
-            "forces": forces,
+            **cuts.frame(self.grid, axis, at, self.indicator),
+            **cuts.field_cut(self.grid, self.electric_field, self.potential, axis, at),
+            **forces,
         }
-
-    def _forces_on(self, a: int, at: float, others: tuple[int, int]) -> tuple:
-        """Places and forces (m,2), within a plane, of the bodies that it cuts."""
-        if self._loads is None or not self.case.particles:
-            return np.zeros((0, 2)), np.zeros((0, 2))
-        axis, away = self.grid.axes[a], self.bodies.position[:, a] - at
-        if axis.periodic:
-            away -= axis.length * np.rint(away / axis.length)
-        cut = np.abs(away) < [build_shape(particle).reach for particle in self.case.particles]
-        rows = np.ix_(cut, others)
-        return self.bodies.position[rows], self._loads.force[rows]
 
     def preflight(self) -> list[Check]:
         """The checks made before the run; see `field_checks.py`."""

@@ -7,12 +7,14 @@ import numpy as np
 
 from smoothprofile.figures import DASHES, LEVEL, PALETTE, Picture, new_panels
 from smoothprofile.labels import NUMBERS, SYMBOLS, literal
+from smoothprofile.motion_numbers import distance, first_axis, vectors
 
 Columns = Mapping[str, np.ndarray]
 
 WIDTH, HEIGHT = 9.0, 3.5
-GREY = "#9aa5b1"
 SMALL = 0.02
+SPEEDS = ("peak_speed", "final_speed", "mean_speed")
+CIRCLES = {"marker": "o", "linestyle": "none", "markerfacecolor": "none", "color": "black"}
 
 
 def motion_picture(
@@ -20,8 +22,9 @@ def motion_picture(
 ) -> Picture | None:
     """Velocity of each body against time, and its height: its place along the main direction.
 
-    Components smaller than a fiftieth of the largest are left out. The reference's `peak_speed`
-    and those of the computations and measurements beside it are levels.
+    Components smaller than a fiftieth of the largest are left out; of many bodies, their mean and
+    their standard deviation are drawn. The reference's `peak_speed`, `final_speed` or `mean_speed`
+    and those of the computations and measurements beside it are levels, its `speed` a curve.
     """
     bodies = {name: c for name, c in particles.items() if len(c["time"]) > 1 and _travels(c)}
     if not bodies:
@@ -30,20 +33,15 @@ def motion_picture(
     sizes = {a: max(np.abs(c[f"velocity_{a}"]).max() for c in bodies.values()) for a in NUMBERS}
     main = max(sizes, key=sizes.get)
     shown = [axis for axis in NUMBERS if sizes[axis] > SMALL * sizes[main]]
-    many = len(bodies) > len(PALETTE)
-    for number, (name, columns) in enumerate(bodies.items()):
-        colour = GREY if many else PALETTE[number]
-        style = {"color": colour, "linewidth": 0.6 if many else 1.5}
-        owner = f"each of {len(bodies)} bodies" if many else literal(name)
-        for axis, dashes in zip(shown, DASHES, strict=False):
-            label = None if many and number else f"V{NUMBERS[axis]}, {owner}"
-            speeds.plot(columns["time"], columns[f"velocity_{axis}"], dashes, label=label, **style)
-        places.plot(columns["time"], columns[f"position_{main}"], **style)
+    if len(bodies) > len(PALETTE):
+        _draw_spread(speeds, places, list(bodies.values()), shown, main)
+    else:
+        _draw_each(speeds, places, bodies, shown, main)
     _draw_levels(speeds, reference, bodies, main)
     speeds.set(title="Velocity", xlabel="t (time)", ylabel="velocity (length/time)")
-    places.set(title="Path", xlabel="t (time)", ylabel=f"{SYMBOLS[main]} (length)")
+    places.set(title="Path", xlabel="t (time)")
     figure.legend(loc="outside lower center", ncols=4)
-    caption = "Velocity of each body that travels, and its place along the way, against time."
+    caption = "Velocity of the bodies that travel, and their place along the way, against time."
     return Picture("motion", caption, figure, wide=True)
 
 
@@ -66,15 +64,17 @@ def spin_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any])
                 color=PALETTE[number],
                 label=f"Ω{NUMBERS[axis]}, {literal(name)}",
             )
-        for axis, component, dashes in zip(NUMBERS, _first_axis(columns), DASHES, strict=True):
+        for axis, component, dashes in zip(NUMBERS, first_axis(columns), DASHES, strict=True):
             label = f"n{NUMBERS[axis]}, {literal(name)}"
             axes.plot(columns["time"], component, dashes, color=PALETTE[number], label=label)
+    for axis, curve in reference.get("first_axis", {}).items():
+        label = None if axis != next(iter(reference["first_axis"])) else _label(reference)
+        axes.plot(curve["coordinate"], curve["value"], label=label, markersize=3.5, **CIRCLES)
     if "angular_velocity" in reference:
         rates.axhline(reference["angular_velocity"], label=_label(reference), **LEVEL)
     rates.set(title="Angular velocity", xlabel="t (time)", ylabel="Ω (1/time)")
     axes.set(title="Direction of the body's first axis", xlabel="t (time)", ylabel="n (–)")
-    for panel in (rates, axes):
-        panel.legend(fontsize=8)
+    figure.legend(loc="outside lower center", ncols=4)
     return Picture("spin", "How each body turns, against time.", figure, wide=True)
 
 
@@ -86,21 +86,90 @@ def _turns(columns: Columns) -> bool:
     return any(np.abs(columns[f"angular_velocity_{axis}"]).max() > 1e-9 for axis in NUMBERS)
 
 
-def _first_axis(columns: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """R(q)e₁."""
-    w, x, y, z = (columns[f"orientation_{part}"] for part in "wxyz")
-    return 1 - 2 * (y**2 + z**2), 2 * (x * y + w * z), 2 * (x * z - w * y)
+def pair_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any]) -> Picture | None:
+    """Distance of two free bodies' centres, and the angle of their line to its first direction."""
+    bodies = [c for c in particles.values() if len(c["time"]) > 1 and _travels(c)]
+    if len(bodies) != 2 or "contact_distance" not in reference:
+        return None
+    figure, (gaps, turns) = new_panels(2, HEIGHT, WIDTH)
+    time, apart = bodies[0]["time"], distance(*bodies)
+    line = vectors(bodies[1], "position") - vectors(bodies[0], "position")
+    cosine = line[:, 0] @ line / (apart * apart[0])
+    gaps.plot(time, apart, label="this run")
+    gaps.axhline(reference["contact_distance"], label="touch", **LEVEL)
+    turns.plot(time, np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    gaps.set(title="Distance of the centres", xlabel="t (time)", ylabel="distance (length)")
+    turns.set(
+        title="Turn of their line", xlabel="t (time)", ylabel="angle (degrees)", ylim=(0, None)
+    )
+    gaps.legend()
+    return Picture("pair", "The pair: how far apart, and how turned.", figure, wide=True)
+
+
+def drift_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any]) -> Picture | None:
+    """Where bodies are along the axis of the reference's `places`, beside those places."""
+    known = reference.get("places", {})
+    bodies = {name: c for name, c in particles.items() if len(c["time"]) > 1 and _travels(c)}
+    if not known or not bodies or len(bodies) > len(PALETTE):
+        return None
+    figure, panels = new_panels(len(known), HEIGHT, WIDTH)
+    for panel, (axis, levels) in zip(panels, known.items(), strict=True):
+        for number, (name, columns) in enumerate(bodies.items()):
+            panel.plot(columns["time"], columns[f"position_{axis}"], color=PALETTE[number],
+                       label=literal(name))  # fmt: skip
+        for number, level in enumerate(levels):
+            panel.axhline(level, label=None if number else _label(reference), **LEVEL)
+        panel.set(title="Drift", xlabel="t (time)", ylabel=f"{SYMBOLS[axis]} (length)")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    return Picture("drift", "Where bodies drift, across the flow.", figure, wide=True)
+
+
+def _draw_each(speeds, places, bodies: Mapping[str, Columns], shown, main: str) -> None:
+    for number, (name, columns) in enumerate(bodies.items()):
+        colour = PALETTE[number]
+        for axis, dashes in zip(shown, DASHES, strict=False):
+            label = f"V{NUMBERS[axis]}, {literal(name)}"
+            values = columns[f"velocity_{axis}"]
+            speeds.plot(columns["time"], values, dashes, label=label, color=colour)
+        places.plot(columns["time"], columns[f"position_{main}"], color=colour)
+    places.set_ylabel(f"{SYMBOLS[main]} (length)")
+
+
+def _draw_spread(speeds, places, bodies: list[Columns], shown, main: str) -> None:
+    """Mean and standard deviation over the bodies; of places, counted from where each started."""
+    time, words = bodies[0]["time"], f"mean of {len(bodies)} bodies"
+    for number, axis in enumerate(shown):
+        values = np.stack([c[f"velocity_{axis}"] for c in bodies])
+        name = f"V{NUMBERS[axis]}, {words}"
+        _draw_band(speeds, time, values, PALETTE[number], name, None if number else "±σ")
+    way = np.stack([c[f"position_{main}"] - c[f"position_{main}"][0] for c in bodies])
+    _draw_band(places, time, way, PALETTE[shown.index(main)], None, None)
+    places.set_ylabel(f"{SYMBOLS[main]} from the start (length)")
+
+
+def _draw_band(panel, time, values: np.ndarray, colour: str, label, band) -> None:
+    mean, spread = values.mean(axis=0), values.std(axis=0)
+    panel.plot(time, mean, color=colour, label=label)
+    panel.fill_between(
+        time, mean - spread, mean + spread, color=colour, alpha=0.2, linewidth=0, label=band
+    )
 
 
 def _draw_levels(panel, reference: Mapping[str, Any], bodies, main: str) -> None:
-    """Peak speeds to compare with, signed as the bodies move."""
+    """Speeds to compare with, signed as the bodies move."""
     first = next(iter(bodies.values()))[f"velocity_{main}"]
     sign = np.sign(first[np.abs(first).argmax()])
+    if "speed" in reference:
+        curve = reference["speed"]
+        values = sign * np.asarray(curve["value"])
+        panel.plot(curve["coordinate"], values, label=_label(reference), **CIRCLES)
+        return
     groups = [reference, *(v for v in reference.values() if isinstance(v, Mapping))]
-    known = [group for group in groups if "peak_speed" in group]
-    for group, dashes in zip(known, (LEVEL["linestyle"], ":", "-."), strict=False):
+    known = [(group, key) for group in groups for key in SPEEDS if key in group]
+    for (group, key), dashes in zip(known, (LEVEL["linestyle"], ":", "-."), strict=False):
         style = {**LEVEL, "linestyle": dashes}
-        panel.axhline(sign * group["peak_speed"], label=_label(group), **style)
+        panel.axhline(sign * group[key], label=_label(group), **style)
 
 
 def _label(group: Mapping[str, Any]) -> str:

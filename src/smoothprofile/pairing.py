@@ -8,8 +8,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from smoothprofile import calibration
+from smoothprofile.calibration.flow import THINNEST
 from smoothprofile.config import Case, Particle, build_shape
 from smoothprofile.distances import CAPSULE, CYLINDER, ELLIPSOID, SPHERE
 from smoothprofile.flow.stability import largest_stable_step
@@ -20,6 +22,9 @@ from smoothprofile.shapes import Part, Shape
 ADVECTIVE_SHARE = 0.9
 FREE_SHARE = 0.4
 STEPS_WITHOUT_LIMIT = 200
+FARTHEST_MOVED = 3.0
+"""Of the smallest radius or half side: as far outward as the radial problem goes in its wall."""
+SMALLEST_RATIO, LARGEST_RATIO = 1e-8, 1e8
 
 
 @dataclass(frozen=True)
@@ -108,6 +113,40 @@ def _settling_speed(case: Case, particle: Particle) -> np.ndarray:
     pull = np.abs(pull + (particle.density - fluid.density) * volume * np.array(fluid.gravity))
     stokes = pull / (6 * math.pi * fluid.viscosity * a)
     return np.minimum(stokes, np.sqrt(pull / (0.22 * fluid.density * math.pi * a**2)))
+
+
+def can_be_moved(case: Case, pairing: Pairing, half: float, room: float) -> bool:
+    """Whether a surface can be moved for the step, so that it acts where it is.
+
+        −min(a, L/2) < ξs₀(k) < min(3a, L/2),    √(νΔt) ≥ 1e-8 a
+
+    By −a nothing would be left of the body, by L/2 it would fill the box. half: a, the smallest
+    radius or half side, infinite for a plane; room: L of the box across the surface.
+    """
+    low, high = _moves(half, room)
+    shortest = THINNEST * half if math.isfinite(half) else 0.0
+    xi = case.profile.thickness
+    return low < xi * pairing.shift < high and xi * pairing.ratio >= shortest
+
+
+def _moves(half: float, room: float) -> tuple[float, float]:
+    return -min(half, 0.5 * room), min(FARTHEST_MOVED * half, 0.5 * room)
+
+
+def ratio_range(case: Case, half: float, room: float) -> tuple[float, float]:
+    """The k = √(νΔt)/ξ between which `can_be_moved` holds; half and room as there."""
+    xi, kind, scheme = case.profile.thickness, case.profile.kind, case.time.scheme
+
+    def beyond(logarithm: float, target: float) -> float:
+        return xi * calibration.interface_shift(kind, math.exp(logarithm), scheme) - target
+
+    thinnest = THINNEST * half / xi if math.isfinite(half) else SMALLEST_RATIO
+    ends, found = (math.log(min(thinnest, SMALLEST_RATIO)), math.log(LARGEST_RATIO)), []
+    for target in _moves(half, room):
+        # Of a compact profile the shift is bounded below: there is no step too short for it.
+        inside = beyond(ends[0], target) < 0.0 < beyond(ends[1], target)
+        found.append(brentq(beyond, *ends, (target,)) if inside else ends[target > 0])
+    return max(math.exp(found[0]), thinnest), math.exp(found[1])
 
 
 def surface_offsets(case: Case, shape: Shape, step: float, turning: bool) -> np.ndarray:

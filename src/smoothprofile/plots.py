@@ -18,7 +18,12 @@ from smoothprofile.labels import (
     load_label,
     reference_label,
 )
-from smoothprofile.motion_plots import motion_picture, spin_picture
+from smoothprofile.motion_plots import (
+    drift_picture,
+    motion_picture,
+    pair_picture,
+    spin_picture,
+)
 from smoothprofile.output import RunRecord
 from smoothprofile.plane_plots import plane_pictures
 
@@ -36,6 +41,8 @@ def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> l
         drawn = [
             *plane_pictures(record.plane),
             motion_picture(record.particles, reference),
+            pair_picture(record.particles, reference),
+            drift_picture(record.particles, reference),
             spin_picture(record.particles, reference),
             load_picture(record.particles, reference),
             *profile_pictures(record.lines, output.get("lines", ()), reference),

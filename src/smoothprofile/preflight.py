@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from smoothprofile.config import Case, build_shape
+from smoothprofile import rotations
+from smoothprofile.config import Case, Particle, build_shape
 from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
-from smoothprofile.pairing import Pairing, surface_offsets
+from smoothprofile.pairing import Pairing, can_be_moved, ratio_range, surface_offsets
 from smoothprofile.schemes import scheme_named
 from smoothprofile.threads import thread_count
 
@@ -38,6 +39,7 @@ def checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     refuse(found)
     if case.particles:
         found += _layer(case, grid, pairing)
+        refuse(_unmovable(case, pairing))
         found += _surfaces(case, pairing)
     found += [
         _memory(case, grid),
@@ -114,11 +116,13 @@ def _layer(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
 def _widest_cell(case: Case, grid: Grid) -> float:
     """The widest cell that a painted layer may meet: of the whole grid, or near bounded bodies."""
     widest = 0.0
+    varying = [d for d in range(3) if not _invariant(case, d)]
     for particle in case.particles:
         reach = build_shape(particle).reach + 2.0 * case.profile.thickness
-        for d, axis in enumerate(grid.axes):
+        for d in varying:
+            axis = grid.axes[d]
             near = np.abs(axis.centres - particle.position[d]) <= reach + axis.widths
-            if near.any() and axis.cells > 1 and not _invariant(case, d):
+            if near.any() and axis.cells > 1:
                 widest = max(widest, float(axis.widths[near].max()))
     return widest or max(float(axis.widths.max()) for axis in grid.axes)
 
@@ -165,6 +169,47 @@ def _surfaces(case: Case, pairing: Pairing) -> list[Check]:
             )
         rows.append(check_row(f"surface of {particle.name}", moved, xi, verdict, note))
     return rows
+
+
+def _unmovable(case: Case, pairing: Pairing) -> list[Check]:
+    """A refusal for the first body whose surface the step moves too far, if any."""
+    if case.profile.retract is False:
+        return []
+    for particle in case.particles:
+        half, room = particle.thinnest[1], _room(case, particle)
+        if can_be_moved(case, pairing, half, room):
+            continue
+        low, high = ratio_range(case, half, room)
+        xi, nu = case.profile.thickness, case.fluid.viscosity / case.fluid.density
+        note = (
+            f"{_taken(case, pairing)}; with fluid.viscosity {case.fluid.viscosity:g}, "
+            f"fluid.density {case.fluid.density:g} and profile.thickness {xi:g}, √(νΔt)/ξ is "
+            f"{pairing.ratio:.3g}, and must be from {low:.3g} to {high:.3g} for the surface of "
+            f"{particle.name} to be moved: that is a step from {(low * xi) ** 2 / nu:.3g} to "
+            f"{(high * xi) ** 2 / nu:.3g}."
+        )
+        return [check_row("√(νΔt)/ξ, range", pairing.ratio, high, "refuse", note)]
+    return []
+
+
+def _taken(case: Case, pairing: Pairing) -> str:
+    """Which step a run takes, and why, in words."""
+    if case.time.step != "auto":
+        return f"time.step is {pairing.step:g}"
+    why = ""
+    if pairing.step < pairing.paired:
+        speed = ", ".join(f"{s:.3g}" for s in pairing.speed)
+        why = f", as much as is stable with speeds up to ({speed})"
+    return f'time.step is "auto", here {pairing.step:.3g}{why}'
+
+
+def _room(case: Case, particle: Particle) -> float:
+    """The shortest side of the box across the surface of a body."""
+    axis = np.abs(rotations.rotate(particle.quaternion, (0.0, 0.0, 1.0)))
+    across = np.full(3, True)
+    if not particle.bounded:
+        across = axis > 0.5 * axis.max() if particle.shape == "plane" else axis < 0.5
+    return float(np.min(np.array(case.domain.lengths)[across]))
 
 
 def _where_it_acts(distance: float) -> str:

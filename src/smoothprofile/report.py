@@ -11,6 +11,7 @@ from scipy.interpolate import PchipInterpolator
 from smoothprofile import cases, webpage
 from smoothprofile.figures import Picture
 from smoothprofile.grid import AXIS_NAMES
+from smoothprofile.motion_numbers import motion_numbers
 from smoothprofile.output import RunRecord, read_run
 from smoothprofile.plots import pictures
 
@@ -81,9 +82,7 @@ def comparison(
             measured["centre_velocity"] = float(np.linalg.norm(slip))
     if tensor := record.summary.get("effective_permittivity"):
         measured["effective_permittivity"] = float(np.diag(tensor).max())
-    for columns in list(record.particles.values())[:1]:
-        if "velocity_x" in columns:
-            measured["peak_speed"] = _peak_speed(columns)
+    measured |= motion_numbers(record.particles)
     if mean := record.summary.get("mean_velocity"):
         measured["mean_velocity"] = max(mean, key=abs)
     if stresses := _wall_stresses(record):
@@ -94,12 +93,6 @@ def comparison(
         for key, value in measured.items()
         if key in reference
     ]
-
-
-def _peak_speed(columns: Mapping[str, np.ndarray]) -> float:
-    """The largest |V| in a body's history."""
-    velocity = np.stack([columns[f"velocity_{axis}"] for axis in AXIS_NAMES])
-    return float(np.linalg.norm(velocity, axis=0).max())
 
 
 def _wall_stresses(record: RunRecord) -> list[float]:

@@ -32,6 +32,14 @@ def interpolate(grid: Grid, field: np.ndarray, component: int, points: np.ndarra
     return total
 
 
+def in_box(grid: Grid, points: np.ndarray) -> np.ndarray:
+    """Points (m,3) moved by whole periods into the box."""
+    low = np.array([axis.low for axis in grid.axes])
+    lengths = np.array(grid.lengths)
+    periods = np.where(grid.periodic, np.floor((points - low) / lengths), 0.0)
+    return points - periods * lengths
+
+
 def centred_velocity(velocity: tuple) -> np.ndarray:
     """(3,nx,ny,nz) at cell centres, the mean of the two faces."""
     parts = []

@@ -13,17 +13,24 @@ from typing import Any
 
 import numpy as np
 
-from smoothprofile import sampling
-from smoothprofile.assembly import build_flow, build_grid, build_particles, initial_state
+from smoothprofile import cuts, sampling, suspension
+from smoothprofile.assembly import (
+    build_action,
+    build_flow,
+    build_grid,
+    build_particles,
+    initial_state,
+)
 from smoothprofile.boundaries import fill_ghosts, pressure_boundary
 from smoothprofile.config import Case, build_shape, load_case
-from smoothprofile.coupling import coupling_named
+from smoothprofile.coupling import coupling_named, set_out
 from smoothprofile.errors import CaseError
 from smoothprofile.flow.monitor import Extremes, watch
 from smoothprofile.grid import AXIS_NAMES, interior
 from smoothprofile.pairing import expected_speed, pair
 from smoothprofile.particles.motion import Course
 from smoothprofile.preflight import Check, check_memory, checks, refuse
+from smoothprofile.rows import body_rows, history_row
 from smoothprofile.tables import result_table
 from smoothprofile.threads import ThreadTrial, thread_count
 
@@ -35,6 +42,8 @@ class Simulation:
 
     def __init__(self, case: Case, courses: Mapping[str, Course] | None = None):
         """courses: for some bodies by name, a function t -> (position, quaternion, V, Ω)."""
+        if case.fluid is None:
+            raise CaseError("this case has no [fluid]: it is a field alone, for Electrostatics.")
         check_memory(case)
         self.case = case
         self.grid = build_grid(case.domain)
@@ -43,10 +52,15 @@ class Simulation:
         self._checks = checks(case, self.grid, self.pairing)
         refuse(self._checks)
         self._courses = dict(courses or {})
+        self.bodies_move = bool(courses) or any(p.motion != "held" for p in case.particles)
         self.flow = build_flow(case, self.grid)
         self.state = initial_state(case, self.flow)
         speed = max(self.pairing.speed)
-        self.bodies = build_particles(case, self.flow, self.pairing.step, speed, self._by_number())
+        self.action = build_action(case, self.grid)
+        self.bodies = build_particles(
+            case, self.flow, self.pairing.step, speed, self._by_number(), self.action
+        )
+        set_out(self.flow, self.bodies, self.state)
         self._couple = coupling_named(case.time.coupling)
         self.status = "running"
         self.wall_seconds = 0.0
@@ -156,16 +170,7 @@ class Simulation:
         return {names.index(name): course for name, course in self._courses.items()}
 
     def _record(self) -> None:
-        wall = self.wall_force
-        row = {
-            "step": self.steps,
-            "time": self.time,
-            "max_speed": max(self.extremes.speed),
-            "change_rate": self.extremes.rate(self.time_step),
-            "wall_force": wall["total"],
-            "body_force": self.bodies.state.force.sum(axis=0),
-            "driving_force": self.driving_force,
-        }
+        row = history_row(self)
         for name, value in row.items():
             self.history.setdefault(name, []).append(value)
 
@@ -192,6 +197,16 @@ class Simulation:
         return self.bodies.painter.centred()
 
     @property
+    def potential(self) -> np.ndarray:
+        """(nx,ny,nz): V at the cell centres; zero without a field."""
+        return self.action.potential(self.grid)
+
+    @property
+    def electric_field(self) -> np.ndarray:
+        """(3,nx,ny,nz): E at the cell centres; zero without a field."""
+        return self.action.vectors(self.grid)
+
+    @property
     def driving_force(self) -> np.ndarray:
         """(3,) body force per unit volume, with what holds the mean velocity."""
         held = self.case.fluid.density * self.flow.mean_flow.force
@@ -206,27 +221,7 @@ class Simulation:
     @property
     def particles(self) -> list[dict[str, Any]]:
         """One dict a body: place, motion, loads, and the fluid's velocity at its centre."""
-        state = self.bodies.state
-        offset = self.bodies.painter.forms.offset[self.bodies.painter.forms.part_start[:-1], 0]
-        inside = [
-            sampling.interpolate(self.grid, field, c, state.position)
-            for c, field in enumerate(self.state.velocity)
-        ]
-        return [
-            {
-                "name": particle.name,
-                "shape": particle.shape,
-                "position": state.position[b].copy(),
-                "velocity": state.velocity[b].copy(),
-                "angular_velocity": state.angular_velocity[b].copy(),
-                "orientation": state.quaternion[b].copy(),
-                "force": state.force[b].copy(),
-                "torque": state.torque[b].copy(),
-                "interior_velocity": np.array([values[b] for values in inside]),
-                "painted_offset": float(offset[b]),
-            }
-            for b, particle in enumerate(self.case.particles)
-        ]
+        return body_rows(self)
 
     def sample_line(self, axis: str, through: tuple[float, float], component: str):
         """Coordinates and a velocity component along `axis` through the two other coordinates."""
@@ -234,23 +229,21 @@ class Simulation:
         return sampling.along_line(self.grid, self.state.velocity, a, through, c)
 
     def sample_plane(self, axis: str, at: float) -> dict[str, Any]:
-        """Speed, in-plane velocity and indicator on the cell centres of a plane."""
-        a = AXIS_NAMES.index(axis)
-        first, second = (d for d in range(3) if d != a)
-        cut = [
-            sampling.on_plane(self.grid, field, c, a, at)
-            for c, field in enumerate(self.state.velocity)
-        ]
-        solid = self.grid.zeros()
-        interior(solid)[...] = self.indicator
-        fill_ghosts(solid, pressure_boundary(self.grid))
+        """On the cell centres of a plane: speed, in-plane velocity, φ, and the electric field."""
         return {
-            "x": self.grid.axes[first].centres,
-            "y": self.grid.axes[second].centres,
-            "speed": np.sqrt(sum(c**2 for c in cut)),
-            "velocity": np.stack([cut[first], cut[second]]),
-            "indicator": sampling.on_plane(self.grid, solid, sampling.CENTRED, a, at),
-            "labels": (AXIS_NAMES[first], AXIS_NAMES[second]),
+            **cuts.frame(self.grid, axis, at, self.indicator),
+            **cuts.flow_cut(self.grid, self.state.velocity, axis, at),
+            **self._field_cut(axis, at),
+        }
+
+    def _field_cut(self, axis: str, at: float) -> dict[str, Any]:
+        if self.case.electric is None or self.action.loads is None:
+            return {}
+        reach = np.array([build_shape(particle).reach for particle in self.case.particles])
+        force = self.action.loads.force
+        return {
+            **cuts.field_cut(self.grid, self.electric_field, self.potential, axis, at),
+            **cuts.forces_in_cut(self.grid, self.bodies.state, reach, force, axis, at),
         }
 
     def wall_shear(self, wall: str, component: str, along: str, at: float):
@@ -284,6 +277,7 @@ class Simulation:
             ],
             "wall_force": self.wall_force,
             "driving_force": self.driving_force,
+            **suspension.totals(self),
             "mean_velocity": [
                 self.flow.mean_flow.plain_mean(field, c)
                 for c, field in enumerate(self.state.velocity)

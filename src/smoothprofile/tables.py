@@ -30,6 +30,9 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
         rows.append(("mean velocity", _vector(mean), f"of all {len(bodies)} bodies"))
         left = len(bodies) - MOST_BODIES
         rows.append(("other bodies", str(left), "see particles.csv"))
+    if "apparent_viscosity" in summary:
+        note = "stress on the walls over the rate of shear"
+        rows.append(("apparent viscosity", f"{summary['apparent_viscosity']:.6g}", note))
     rows.append(("force on the walls", _vector(summary["wall_force"]["total"]), ""))
     if run.flow.mean_flow.targets:
         rows.append(("driving force", _vector(run.driving_force), "per unit volume"))

@@ -215,10 +215,10 @@ def _painted_radius(
         above, stride = min(above + stride, highest), 2.0 * stride
     if not excess(below) <= 0.0 <= excess(above):
         raise CaseError(
-            f"profile.thickness is {thickness:.3g} of a {shape}'s radius, and no painted radius "
-            f"gives it its own resistance at √(νΔt) = {viscous_length:.3g} radii; take a thinner "
-            f"interface, a step nearer to √(νΔt)/ξ = {_best_ratio(profile, scheme):.3f}, or "
-            f'profile.retract = "planar".'
+            f"√(νΔt)/ξ is {viscous_length / thickness:.3g}, and with profile.thickness "
+            f"{thickness:.3g} of a {shape}'s radius no painted radius gives it its own resistance "
+            f"there; take a step nearer to √(νΔt)/ξ = {_best_ratio(profile, scheme):.3f}, a "
+            f'thinner interface, or profile.retract = "planar".'
         )
     return brentq(excess, below, above, xtol=1e-9)
 

@@ -4,7 +4,9 @@ from typing import Annotated
 
 from pydantic import Field
 
-from smoothprofile.config.values import FLAG, POSITIVE, Positive, Table
+from smoothprofile.config.domain import Domain
+from smoothprofile.config.refusals import Refusal
+from smoothprofile.config.values import AXES, FLAG, POSITIVE, Positive, Table
 
 
 class Contact(Table):
@@ -21,3 +23,15 @@ class Contact(Table):
     )
     friction: Annotated[float, Field(ge=0)] = Field(0.0, description="a finite number, 0 or more")
     lubrication: bool = Field(False, description=FLAG)
+
+    def check(self, domain: Domain) -> None:
+        """Refusal of a range that reaches farther than half of the box."""
+        axis = min(range(3), key=lambda d: domain.lengths[d])
+        most = 0.5 * domain.lengths[axis]
+        if self.range is None or self.range <= most:
+            return
+        if domain.periodic[axis]:
+            why = f"half the period along {AXES[axis]}, for a pair meets in its nearest image alone"
+        else:
+            why = f"half the room between the ends of {AXES[axis]}, for both would push at once"
+        raise Refusal("contact.range", self.range, f"it must be at most {most:g}, {why}")

@@ -49,10 +49,15 @@ class Electric(Table):
     Sides that are neither periodic nor electrodes let no flux through. `tolerance` is the relative
     residual, or with the fixed-point method the thesis' error. `effective` asks for the effective
     permittivity tensor of a box with three periodic axes.
+
+    With angular_frequency ω the mean field is field·cos ωt + quadrature·sin ωt, and potentials go
+    with cos ωt: two fields of one size at right angles rotate. `every`: steps between two solves.
     """
 
     field: Vector = Field((0.0, 0.0, 0.0), description=NUMBERS)
     electrodes: Electrodes | None = Field(None, description=ELECTRODES)
+    angular_frequency: Positive | None = Field(None, description=POSITIVE)
+    quadrature: Vector = Field((0.0, 0.0, 0.0), description=NUMBERS)
     permittivity: Positive = Field(1.0, description=POSITIVE)
     discretisation: Literal["finite-volume", "fourier"] = Field(
         "finite-volume", description='"finite-volume" or "fourier"'
@@ -73,6 +78,7 @@ class Electric(Table):
     )
     max_iterations: Count = Field(1000, description=COUNT)
     effective: bool = Field(True, description=FLAG)
+    every: Count = Field(1, description=COUNT)
 
     @model_validator(mode="before")
     @classmethod
@@ -89,13 +95,14 @@ class Electric(Table):
 
     @model_validator(mode="after")
     def _has_one_drive(self) -> "Electric":
-        if self.electrodes is None and not any(self.field):
+        if self.electrodes is None and not any(self.field) and not any(self.quadrature):
             raise Refusal("field", self.field, "a case needs a field other than 0, or electrodes")
         if self.electrodes is not None:
-            across = self.field[AXES.index(self.electrodes.axis)]
-            if across != 0.0:
-                allowed = f"the electrodes already set the field along {self.electrodes.axis}"
-                raise Refusal("field", self.field, allowed)
+            axis = AXES.index(self.electrodes.axis)
+            for key in ("field", "quadrature"):
+                if getattr(self, key)[axis] != 0.0:
+                    allowed = f"the electrodes already set the field along {self.electrodes.axis}"
+                    raise Refusal(key, getattr(self, key), allowed)
             if self.electrodes.low == self.electrodes.high and not any(self.field):
                 allowed = "the electrodes need different potentials, or the case another field"
                 raise Refusal("electrodes.high", self.electrodes.high, allowed)
@@ -111,8 +118,9 @@ class Electric(Table):
             raise Refusal("method", self.method, allowed)
         return self
 
-    def check(self, domain: Domain, particles: Sequence[Particle]) -> None:
-        """Refusal of what does not suit the box or the bodies."""
+    def check(self, domain: Domain, particles: Sequence[Particle], flows: bool) -> None:
+        """Refusal of what does not suit the box or the bodies; `flows`: with a fluid around."""
+        self._check_time(flows)
         if domain.precision != "double":
             allowed = 'a case with [electric] needs "double"'
             raise Refusal("domain.precision", domain.precision, allowed)
@@ -120,8 +128,8 @@ class Electric(Table):
         if electrodes is not None and domain.periodic[AXES.index(electrodes.axis)]:
             allowed = "electrodes need an axis with walls, and that one is periodic"
             raise Refusal("electric.electrodes.axis", electrodes.axis, allowed)
-        for axis, along in enumerate(self.field):
-            if along and not domain.periodic[axis]:
+        for axis in range(3):
+            if (self.field[axis] or self.quadrature[axis]) and not domain.periodic[axis]:
                 allowed = (
                     f"the walls of {AXES[axis]} let no flux through; "
                     f'give electrodes = {{ axis = "{AXES[axis]}", low = .., high = .. }}'
@@ -131,6 +139,19 @@ class Electric(Table):
             self._check_spectral(domain)
         for number, particle in enumerate(particles):
             self._check_body(number, particle)
+
+    def _check_time(self, flows: bool) -> None:
+        if self.angular_frequency is None and any(self.quadrature):
+            allowed = "it needs electric.angular_frequency"
+            raise Refusal("electric.quadrature", self.quadrature, allowed)
+        if not flows and self.angular_frequency is not None:
+            allowed = "a case without [fluid] is one field that does not change"
+            raise Refusal("electric.angular_frequency", self.angular_frequency, allowed)
+        if not flows and self.every > 1:
+            raise Refusal("electric.every", self.every, "a case without [fluid] has no steps")
+        if flows and self.discretisation == SPECTRAL:
+            allowed = 'it gives no forces; a case with [fluid] takes "finite-volume"'
+            raise Refusal("electric.discretisation", self.discretisation, allowed)
 
     def _check_spectral(self, domain: Domain) -> None:
         if not all(domain.periodic) or any(kind != "uniform" for kind in domain.stretching):

@@ -38,6 +38,18 @@ class Sizes(NamedTuple):
     optional: tuple[str, ...] = ()
     direction: str | None = None
 
+    @property
+    def extra(self) -> tuple[str, ...]:
+        return (*self.optional, *filter(None, [self.direction]))
+
+    @property
+    def words(self) -> str:
+        *first, last = self.extra or ("",)
+        may_have = f"{', '.join(first)} and {last}" if first else last
+        if self.needed and self.extra:
+            return f"needs {' and '.join(self.needed)}, and may have {may_have}"
+        return f"takes {' and '.join(self.needed) or may_have}"
+
 
 SIZES = {
     "sphere": Sizes(("radius",)),
@@ -79,13 +91,12 @@ class Solid(Table):
     @model_validator(mode="after")
     def _has_its_sizes(self) -> "Solid":
         sizes = SIZES[self.shape]
-        allowed = [*sizes.needed, *sizes.optional, *filter(None, [sizes.direction])]
-        takes = f"a {self.shape} takes {' and '.join(allowed)} and no other size"
+        takes = f"a {self.shape} {sizes.words}, and no other size"
         for key in SIZE_KEYS:
             value = getattr(self, key, None)
             if value is None and key in sizes.needed:
                 raise Refusal(key, MISSING, f"a {self.shape} needs {' and '.join(sizes.needed)}")
-            if value is not None and key not in allowed:
+            if value is not None and key not in (*sizes.needed, *sizes.extra):
                 raise Refusal(key, shown_size(value), takes)
         if self.direction is not None and self.orientation is not None:
             turn = {"axis": self.orientation.axis, "angle": self.orientation.angle}

@@ -4,13 +4,15 @@ tensor smoothing, tanh with ξ = .75Δx, surfaces moved so that the dipole of a 
 `docs/decisions.md` has the reasons, `spm study profiles` the measurements.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from smoothprofile.calibration import dielectric_offset, dielectric_radius
 from smoothprofile.distances import CAPSULE, CYLINDER, ELLIPSOID, SPHERE
-from smoothprofile.electric.permittivity import Permittivity, Smoothing
+from smoothprofile.electric.permittivity import Permittivity, Smoothing, checked_permittivity
+from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import Forms
 from smoothprofile.parts import Part
@@ -36,11 +38,19 @@ def dielectric_medium(
     thickness: ξ, .75Δx if left out. retract: move each surface by `surface_offset`.
     CaseError for a permittivity that is not above 0, and for layers thicker than .8 of a radius.
     """
-    xi = thickness or default_thickness(grid)
+    xi = default_thickness(grid) if thickness is None else thickness
+    if not (math.isfinite(xi) and xi > 0.0):
+        raise CaseError(f"profile.thickness is {xi:g}; it must be a finite number above 0.")
+    for value in (*permittivity, fluid):
+        checked_permittivity(value)
+    if len(shapes) != len(permittivity):
+        raise CaseError(
+            f"{len(shapes)} bodies have {len(permittivity)} permittivities; give one to each."
+        )
     offsets = [np.zeros((len(shape.parts), 2)) for shape in shapes]
     for rows, shape, value in zip(offsets, shapes, permittivity, strict=True):
         for row, part in zip(rows, shape.parts, strict=True):
-            if retract and value > 0.0:
+            if retract:
                 row[:] = surface_offset(part, xi, value / fluid, profile, smoothing)
     forms = Forms.of(shapes, offsets)
     return Permittivity(grid, forms, permittivity, fluid, profile_named(profile), xi, smoothing)

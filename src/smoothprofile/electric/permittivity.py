@@ -68,8 +68,7 @@ class Permittivity:
         self.permittivity = np.array(permittivity, dtype=np.float64)
         self.fluid, self.smoothing = float(fluid), smoothing
         for value in (*self.permittivity, self.fluid):
-            if not (value > 0.0 and math.isfinite(value)):
-                raise CaseError(f"a permittivity is {value:g}; it must be a finite number above 0.")
+            checked_permittivity(value)
         if self.permittivity.shape != (forms.part_start.size - 1,):
             raise CaseError("there must be one permittivity for each body.")
         self.grid, self.forms, self.thickness = grid, forms, thickness
@@ -81,6 +80,7 @@ class Permittivity:
         self.layers = tuple(np.zeros(shape) for _ in range(3))
         self.runs = no_runs(shape)
         self.boxes: Boxes | None = None
+        self.position = np.zeros((0, 3))
         self.form_arrays: tuple = ()
         self.version = 0
 
@@ -101,7 +101,7 @@ class Permittivity:
 
     def paint(self, state: BodyState, scratch: tuple[np.ndarray, np.ndarray]) -> None:
         """Bring ε to where the bodies are. scratch: two padded fields, overwritten."""
-        rotation = state.rotation
+        rotation, self.position = state.rotation, state.position.copy()
         half = self.painter.half_sides(rotation)
         self.boxes = boxes_around(self.grid, state.position, half)
         self.form_arrays = form_arrays(self.forms, rotation, self.boxes, half, self.grid.lengths)
@@ -134,6 +134,13 @@ def _cut(profile: Profile, contrast: float) -> Profile:
     if profile.code != TANH:
         return profile
     return replace(profile, half_width=min(profile.half_width, 0.5 * math.log(contrast / TAIL)))
+
+
+def checked_permittivity(value: float) -> float:
+    """The same; CaseError unless it is finite and above 0."""
+    if not (value > 0.0 and math.isfinite(value)):
+        raise CaseError(f"a permittivity is {value:g}; it must be a finite number above 0.")
+    return value
 
 
 @njit(parallel=True, cache=True, error_model="numpy")

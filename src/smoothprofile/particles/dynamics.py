@@ -7,21 +7,28 @@ and so for the moments about the centre of mass, with L = R J Rᵀ Ω in place o
 linear in (V, Ω), so that each body is one 6×6 system, whatever its density. What the fluid gains
 the bodies lose, to round-off, as long as C = 0.
 
-C is a virtual mass: a body lighter than its fluid is solved as if neutrally buoyant, the rest of
-its inertia taken from the step before. Without it the pressure, which answers an acceleration one
-step late, would make light bodies unstable: |M_a − C| < M + C must hold, M_a the added mass.
+C is a virtual mass: a body lighter than its fluid is solved as if neutrally buoyant at least, the
+rest of its inertia taken from the step before. Without it the pressure, which answers an
+acceleration one step late, would make light bodies unstable. A layer painted thin leaves the
+impulse of one step less than the displaced fluid; where M − ρV and that share s together would be
+below zero, C grows as ((ρ−ρ_p)/ρs)³. What C takes late it gives back: to round-off,
+∫ρu dV + Σ(M−ρV)Vⁿ + C(Vⁿ−Vⁿ⁻¹) stays constant.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import elliprd
 
+from smoothprofile.errors import CaseError
 from smoothprofile.particles.bodies import BodyState
 from smoothprofile.particles.contact import Contact, ContactHistory, driven
 from smoothprofile.particles.inertia import DisplacedFluid
 from smoothprofile.schemes import Scheme
 
+LEAST_HELD = 1e-6
+"""Of the fluid that a body displaces: what the impulse of one step must hold to move it."""
 WallVelocity = Callable[[float], np.ndarray]
 """t -> (axis, side, 3), how the walls slide."""
 
@@ -57,17 +64,20 @@ class FreeMotion:
         self.contact, self._wall_velocity = contact, wall_velocity
         volume, inertia = displaced.volume[free.rows], displaced.inertia[free.rows]
         excess = free.density - density
-        self._mass = np.maximum(excess, 0.0) * volume
-        self._virtual = np.maximum(-excess, 0.0) * volume
-        self._inertia = np.maximum(excess, 0.0)[:, None, None] * inertia
-        self._virtual_inertia = np.maximum(-excess, 0.0)[:, None, None] * inertia
+        self._displaced = density * volume, density * inertia
+        self._excess = excess * volume, excess[:, None, None] * inertia
+        self._take_virtual(
+            np.maximum(-excess, 0.0) * volume, np.maximum(-excess, 0.0)[:, None, None] * inertia
+        )
         weight = (excess * volume)[:, None] * free.gravity
         self.loads = np.concatenate([free.force + weight, free.torque], axis=1)
+        # (m,6) of what acts from afar, at the end of the step under way and at its start.
+        self.pulls = [np.zeros_like(self.loads)]
         # What a checkpoint holds besides the bodies' own state, newest level first.
         self.past_spin: list[np.ndarray] = []
-        self.change = np.zeros((free.rows.size, 6))
+        self.past_late: list[np.ndarray] = []
         self.contact_history = ContactHistory.none(displaced.volume.size)
-        self.contact_impulse = np.zeros((free.rows.size, 6))
+        self.contact_impulses: list[np.ndarray] = []
 
     def place(self, state: BodyState, past: list, time: float, since: float) -> None:
         """Rⁿ⁺¹ = Rⁿ + Δt(3Vⁿ − Vⁿ⁻¹)/2 + contact, and so for the turn; past[0] is level n."""
@@ -82,14 +92,22 @@ class FreeMotion:
         state.position[self.rows] = moved.position[self.rows]
         state.quaternion[self.rows] = moved.quaternion[self.rows]
         self.contact_history = moved.history
-        self.contact_impulse = np.concatenate([moved.impulse, moved.angular_impulse], axis=1)[
-            self.rows
-        ]
+        impulse = np.concatenate([moved.impulse, moved.angular_impulse], axis=1)[self.rows]
+        self.contact_impulses.insert(0, impulse)
+
+    def feel(self, pull: np.ndarray) -> None:
+        """Take what acts from afar (n,6) where the bodies are at the end of the step."""
+        first = len(self.pulls) == 1
+        new = pull[self.rows]
+        self.pulls = [new, new if first else self.pulls[0]]
 
     def remember(self, state: BodyState, levels: int) -> None:
         """Keep the angular momenta of the level that is about to become old."""
-        self.past_spin.insert(0, self._spin(state))
-        del self.past_spin[levels:]
+        self.past_spin.insert(0, self._spin(state, self._inertia))
+        spin = self._spin(state, self._virtual_inertia)
+        late = [self._virtual[:, None] * state.velocity[self.rows], spin]
+        self.past_late.insert(0, np.concatenate(late, axis=1))
+        del self.past_spin[levels:], self.contact_impulses[levels:], self.past_late[levels + 1 :]
 
     def solve(
         self, state: BodyState, past: list, scheme: Scheme, dt: float, matrix, momentum
@@ -102,11 +120,11 @@ class FreeMotion:
         for weight, old, spin in zip(scheme.past, past, self.past_spin, strict=False):
             known[:, :3] += weight * self._mass[:, None] * old[0][rows]
             known[:, 3:] += weight * spin
-        known += rate * momentum[rows] + dt * self.loads + self.contact_impulse
+        new, old = scheme.implicit, 1.0 - scheme.implicit
+        known += dt * (self.loads + new * self.pulls[0] + old * self.pulls[-1])
+        known += rate * momentum[rows] + self._kick(scheme)
+        known += self.late(scheme)
         turn = state.rotation[rows]
-        known[:, :3] += self._virtual[:, None] * self.change[:, :3]
-        virtual = _turned(turn, self._virtual_inertia)
-        known[:, 3:] += np.einsum("nij,nj->ni", virtual, self.change[:, 3:])
         found = np.linalg.solve(self._system(turn, scheme, rate, matrix), known[..., None])
         state.velocity[rows], state.angular_velocity[rows] = found[:, :3, 0], found[:, 3:, 0]
 
@@ -120,9 +138,49 @@ class FreeMotion:
             gain[self.rows] = np.linalg.solve(system, right[..., None])[..., 0]
         return gain
 
-    def note_change(self, change: list) -> None:
-        """Keep Δt·(dV/dt, dΩ/dt) of the step just taken for the virtual mass of the next."""
-        self.change = np.concatenate([c[self.rows] for c in change], axis=1)
+    def late(self, scheme: Scheme) -> np.ndarray:
+        """Δt·d(CV)/dt and Δt·d(R C RᵀΩ)/dt (m,6) of the step before, by this step's scheme."""
+        levels = self.past_late + self.past_late[-1:] * len(scheme.past)
+        change = scheme.gamma * levels[0]
+        for weight, old in zip(scheme.past, levels[1:], strict=False):
+            change -= weight * old
+        return change
+
+    def learn(self, matrix: np.ndarray) -> None:
+        """How much the impulse of a step can hold, from the matrix as in `solve`; once, at rest.
+
+        Of a layer painted thin, that is less than the displaced fluid. See the head of the file.
+        """
+        (mass, inertia), (excess, excess_inertia) = self._displaced, self._excess
+        lack, flat = np.maximum(-excess / mass, 0.0), _flatness(inertia)
+        held = self.density * matrix[self.rows]
+        share = np.linalg.eigvalsh(held[:, :3, :3])[:, 0] / mass
+        turning = np.linalg.eigvalsh(held[:, 3:, 3:])[:, 0] / np.linalg.eigvalsh(inertia)[:, 0]
+        for number in self.rows[np.minimum(share, turning) < LEAST_HELD][:1]:
+            raise CaseError(
+                f"particles.{number} meets no points of the grid that could move and turn it; a "
+                f"free body must be some cells across."
+            )
+        mass_factor, spin_factor = (
+            np.where(lack > 0.0, flat * np.maximum(1.0, lack / part) ** 3, 0.0)
+            for part in (share, turning)
+        )
+        self._take_virtual(-excess * mass_factor, -spin_factor[:, None, None] * excess_inertia)
+
+    def _take_virtual(self, mass: np.ndarray, inertia: np.ndarray) -> None:
+        self._virtual, self._virtual_inertia = mass, inertia
+        self._mass, self._inertia = self._excess[0] + mass, self._excess[1] + inertia
+
+    def _kick(self, scheme: Scheme) -> np.ndarray:
+        """γΣJ − Σα_q ΣJ of the levels before: the whole of an impulse shows at once in V.
+
+        As a force over one step it would reach V in parts, with several-step schemes.
+        """
+        kick, left = np.zeros((self.rows.size, 6)), scheme.gamma
+        for weight, impulse in zip((*scheme.past, 0.0), self.contact_impulses, strict=False):
+            kick += left * impulse
+            left -= weight
+        return kick
 
     def _system(self, turn: np.ndarray, scheme: Scheme, rate: float, matrix) -> np.ndarray:
         """(m,6,6): inertia beyond the displaced fluid's, and what the impulse takes."""
@@ -131,9 +189,23 @@ class FreeMotion:
         system[:, 3:, 3:] += scheme.gamma * _turned(turn, self._inertia)
         return system
 
-    def _spin(self, state: BodyState) -> np.ndarray:
-        inertia = _turned(state.rotation[self.rows], self._inertia)
-        return np.einsum("nij,nj->ni", inertia, state.angular_velocity[self.rows])
+    def _spin(self, state: BodyState, inertia: np.ndarray) -> np.ndarray:
+        """R I RᵀΩ (m,3)."""
+        turned = _turned(state.rotation[self.rows], inertia)
+        return np.einsum("nij,nj->ni", turned, state.angular_velocity[self.rows])
+
+
+def _flatness(inertia: np.ndarray) -> np.ndarray:
+    """(2/(3−3n))³ within 1 and 125, n the largest depolarisation factor of an equal ellipsoid.
+
+    Equal in its inertia. The added mass is n/(1−n) of the displaced: flat bodies need a larger C
+    than spheres do, 11 times at n = .7, by the roots of an inviscid step.
+    """
+    moments = np.linalg.eigvalsh(inertia)
+    moments = moments / moments.sum(axis=1, keepdims=True)
+    squares = 1.0 - 2.0 * moments
+    n = np.sqrt(squares.prod(axis=1)) / 3.0 * elliprd(*squares.T)
+    return np.clip(2.0 / (3.0 - 3.0 * n), 1.0, 5.0) ** 3
 
 
 def _turned(turn: np.ndarray, tensor: np.ndarray) -> np.ndarray:

@@ -1,10 +1,12 @@
 """The momentum impulse of rigid motion, and the force and torque that it amounts to.
 
-    f = φ(u_p − u),   u_p = V + Ω×r,   u ← u + f
+    f = φ(u_p − u),   u_p = V + Ω×r + G r,   u ← u + f
     F = F_displaced − (ργ/Δt) ∫ f dV,   T = T_displaced − (ργ/Δt) ∫ r×f dV
 
 What the fluid gains the body loses; the fluid inside, which the body displaces, needs a force of
-its own to speed up (`inertia.py`). r is counted from the body's position.
+its own to speed up (`inertia.py`). r is counted from the body's position. G is a velocity gradient
+common to all bodies, zero unless they are held in a flow that is not part of u. As u_p is linear
+in r, all integrals follow from moments of φ and of φu: no pass over the points finds f itself.
 """
 
 import numpy as np
@@ -12,199 +14,170 @@ from numba import njit, prange
 
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState
-from smoothprofile.particles.paint import Painter, coordinate, wrap
+from smoothprofile.particles.paint import Painter
+from smoothprofile.particles.painting import by_body
+from smoothprofile.particles.windows import plane_of
+
+# ε_ijk, and ε_ijc ε_cab for each c, which takes ∫φ r_j r_b at the points of c to ∂(∫r×φu_p)_i/∂Ω_a.
+_CROSS = np.zeros((3, 3, 3))
+for _i in range(3):
+    _CROSS[_i, _i - 2, _i - 1], _CROSS[_i, _i - 1, _i - 2] = 1.0, -1.0
+_TURNING = np.einsum("ijc,cab->cjbia", _CROSS, _CROSS).reshape(27, 9)
+# Where xx, xy … zz stand among the moments that the painter keeps.
+_SECOND = np.array([[4, 5, 6], [5, 7, 8], [6, 8, 9]])
 
 
 class Impulse:
     """Imposes rigid motion on a velocity field and measures what that took."""
 
-    def __init__(self, grid: Grid):
+    def __init__(self, grid: Grid, gradient: np.ndarray | None = None):
+        """gradient: G (3,3), ∂u_p,i/∂x_j beyond rigid motion."""
         self.grid = grid
-        self._sizes = [np.stack([a.padded_widths, a.padded_distances]) for a in grid.axes]
-        self._values = np.empty(0, grid.dtype)
+        self.gradient = np.zeros((3, 3)) if gradient is None else np.array(gradient, float)
+        self._fluid = np.zeros((0, 3, 4))
 
-    def impose(self, painter: Painter, state: BodyState, velocity: tuple) -> tuple:
+    def impose(
+        self, painter: Painter, state: BodyState, velocity: tuple, fluid: np.ndarray | None = None
+    ) -> tuple:
         """u ← u + φ(u_p − u); returns ∫f dV and ∫r×f dV of each body, (n,3).
 
-        Overlapping layers all see the velocity before the impulse.
+        Overlapping layers all see the velocity before the impulse. fluid: `fluid_moments` of that
+        velocity, where they are known already.
         """
-        motion = (state.velocity, state.angular_velocity)
-        gained = self._integrals(painter, state, motion, velocity)
-        w = painter.windows
-        _add(self._values, w.task, w.first, w.count, w.start, w.order, w.group, *velocity)
-        return gained
+        w, slope = painter.windows, self._slope(state.angular_velocity)
+        if fluid is None:
+            fluid = self.fluid_moments(painter, state.count, dict(enumerate(velocity)))
+        for c, u in enumerate(velocity):
+            groups = w.part[c], w.part[c + 1]
+            _impose(painter.indicator, w, *groups, state.velocity, slope, u)
+        self._fluid = fluid
+        gained = _of_motion(painter, state.velocity, slope) - fluid
+        return gained[:, :, 0], _torque(gained)
+
+    def first_moments(self, painter: Painter, state: BodyState) -> np.ndarray:
+        """∫ r_i f_j dV (n,3,3) of the last impulse, for the painting and the motion it had.
+
+        Its antisymmetric part is the torque, its symmetric one the stresslet.
+        """
+        slope = self._slope(state.angular_velocity)
+        gained = _of_motion(painter, state.velocity, slope) - self._fluid
+        return np.swapaxes(gained[:, :, 1:], 1, 2)
 
     def momenta(self, painter: Painter, state: BodyState, velocity: tuple) -> tuple:
-        """∂(∫φu_p, ∫r×φu_p)/∂(V, Ω) (n,6,6), and ∫φu, ∫r×φu (n,6): u_p and u as painted."""
-        w = painter.windows
-        sums = np.zeros((w.task.shape[0], 9))
-        _momenta(sums, painter.indicator, *painter.table(), *self._sizes, state.position, *velocity)
-        return _assemble(w.task, sums, state.count)
+        """`matrix`, and `momentum` of that velocity."""
+        fluid = self.fluid_moments(painter, state.count, dict(enumerate(velocity)))
+        return self.matrix(painter), self.momentum(painter, fluid)
+
+    def matrix(self, painter: Painter) -> np.ndarray:
+        """∂(∫φu_p, ∫r×φu_p)/∂(V, Ω) (n,6,6), as painted."""
+        sums = painter.sums
+        matrix = np.zeros((sums.shape[0], 6, 6))
+        matrix[:, range(3), range(3)] = sums[:, :, 0]
+        mixed = np.einsum("ijc,ncj->nic", _CROSS, sums[:, :, 1:4])
+        matrix[:, 3:, :3], matrix[:, :3, 3:] = mixed, np.swapaxes(mixed, 1, 2)
+        turning = np.einsum("nm,mk->nk", sums[:, :, _SECOND].reshape(-1, 27), _TURNING)
+        matrix[:, 3:, 3:] = turning.reshape(-1, 3, 3)
+        return matrix
+
+    def momentum(self, painter: Painter, fluid: np.ndarray) -> np.ndarray:
+        """∫φ(u−Gr) and ∫r×φ(u−Gr) (n,6) from the moments of φu: what V and Ω have to meet."""
+        still = np.zeros((fluid.shape[0], 3))
+        return vectors(fluid - _of_motion(painter, still, self._slope(still)))
+
+    def fluid_moments(self, painter: Painter, count: int, fields: dict) -> np.ndarray:
+        """∫φu dV and ∫φur dV (n,3,4) of fields {component: u}; those not given are zero."""
+        w, found = painter.windows, np.zeros((count, 3, 4))
+        for c, field in fields.items():
+            begin, end = w.group[w.part[c]], w.group[w.part[c + 1]]
+            sums = np.empty((end - begin, 4))
+            _fluid_moments(sums, painter.indicator, w, w.part[c], w.part[c + 1], field)
+            found[:, c] = by_body(w.task[begin:end], sums, count)[:, c]
+        return found
 
     def solid_mean(
-        self, painter: Painter, state: BodyState, motion: tuple, field: np.ndarray, component: int
+        self,
+        painter: Painter,
+        motion: tuple,
+        fluid: np.ndarray,
+        component: int,
+        response: bool = False,
     ) -> float:
-        """⟨φ(u_p − f)⟩ over the box, u_p of motion (V, Ω): what the impulse adds to f's mean."""
-        gained, _ = self._integrals(painter, state, motion, (field,) * 3)
-        return float(gained[:, component].sum()) / self.grid.volume
+        """⟨φ(u_p − u)⟩ over the box of one component, from V and Ω of u_p and the moments of φu.
 
-    def _integrals(
-        self, painter: Painter, state: BodyState, motion: tuple, velocity: tuple
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """∫f dV and ∫r×f dV, (n,3) each; f itself is left in the scratch values."""
-        w = painter.windows
-        if self._values.size < w.points:
-            self._values = np.empty(w.points, self.grid.dtype)
-        sums = np.zeros((w.task.shape[0], 3))
-        _impulse(
-            self._values,
-            sums,
-            painter.indicator,
-            *painter.table(),
-            *self._sizes,
-            state.position,
-            *motion,
-            *velocity,
-        )
-        return _gather(w.task, sums, state.count)
+        Of a response, what is added to u and to V and Ω, it is without G.
+        """
+        slope = self._slope(motion[1])[:, component] - (self.gradient[component] * response)
+        sums = painter.sums[:, component]
+        solid = sums[:, 0] * motion[0][:, component] + (sums[:, 1:4] * slope).sum(axis=1)
+        return float((solid - fluid[:, component, 0]).sum()) / self.grid.volume
+
+    def _slope(self, spin: np.ndarray) -> np.ndarray:
+        """∂u_p,i/∂r_j = ε_iaj Ω_a + G_ij, (n,3,3)."""
+        return np.einsum("iaj,na->nij", _CROSS, spin) + self.gradient
 
 
-def _gather(task: np.ndarray, sums: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Sum what the tasks found, in their order: (n,3) of force and of torque."""
-    force, torque = np.zeros((count, 3)), np.zeros((count, 3))
-    body, c = task[:, 0], task[:, 1]
-    np.add.at(force, (body, c), sums[:, 0])
-    # r×F of a force along c: r_{c+2} F_c along c+1, −r_{c+1} F_c along c+2.
-    np.add.at(torque, (body, (c + 1) % 3), sums[:, 2])
-    np.add.at(torque, (body, (c + 2) % 3), -sums[:, 1])
-    return force, torque
+def _of_motion(painter: Painter, velocity: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """∫φu_p dV and ∫φu_p r dV (n,3,4), u_p = V + A r."""
+    first, second = painter.sums[:, :, 1:4], painter.sums[:, :, _SECOND]
+    found = painter.sums[:, :, :4] * velocity[:, :, None]
+    found[:, :, 0] += np.einsum("nij,nij->ni", slope, first)
+    found[:, :, 1:] += np.einsum("nij,nijk->nik", slope, second)
+    return found
+
+
+def vectors(moments: np.ndarray) -> np.ndarray:
+    """∫f dV and ∫r×f dV (n,6) of ∫f dV and ∫fr dV (n,3,4)."""
+    return np.concatenate([moments[:, :, 0], _torque(moments)], axis=1)
+
+
+def _torque(moments: np.ndarray) -> np.ndarray:
+    return np.einsum("ijc,ncj->ni", _CROSS, moments[:, :, 1:])
+
+
+@njit(parallel=True, cache=True)
+def _fluid_moments(sums, phi, w, first, last, field):
+    before = w.group[first]
+    for g in prange(first, last):
+        begin, end = w.group[g], w.group[g + 1]
+        # In one piece, which is what brings a plane into the cache.
+        plane = field[plane_of(w, begin)].copy().reshape(-1)
+        for t in range(begin, end):
+            _moments(sums[t - before], phi, w, t, plane)
 
 
 @njit(inline="always")
-def _arms(component, x, y, z):
-    """The coordinates along the axes c+1 and c+2."""
-    if component == 0:
-        return y, z
-    return (z, x) if component == 1 else (x, y)
-
-
-@njit
-def _along_z(points, sizes, on_face, first, count, image, length, centre):
-    """Coordinate from the body's centre, size and padded index of the points of a row."""
-    z, size, index = np.empty(count), np.empty(count), np.empty(count, np.int64)
-    for k in range(count):
-        index[k] = wrap(first + k, points.shape[1] - 2)
-        z[k] = coordinate(points, on_face, first + k, image, length) - centre
-        size[k] = sizes[int(on_face), index[k]]
-    return z, size, index
-
-
-@njit(parallel=True, cache=True)
-def _impulse(
-    values, sums, phi, task, first, count, image, start, px, py, pz, lengths, sx, sy, sz,
-    position, velocity, spin, u, v, w,
-):  # fmt: skip
-    cells = (px.shape[1] - 2, py.shape[1] - 2, pz.shape[1] - 2)
-    for t in prange(task.shape[0]):
-        b, c, i = task[t]
-        field = u if c == 0 else (v if c == 1 else w)
-        i0, j0, k0 = first[b, c]
-        ny, nz = count[b, c, 1], count[b, c, 2]
-        x = coordinate(px, c == 0, i0 + i, image[b, c, 0], lengths[0]) - position[b, 0]
-        gi = wrap(i0 + i, cells[0])
-        z, dz, gk = _along_z(pz, sz, c == 2, k0, nz, image[b, c, 2], lengths[2], position[b, 2])
-        c1, c2 = (c + 1) % 3, (c + 2) % 3
-        spin1, spin2 = spin[b, c1], spin[b, c2]
-        f0, f1, f2 = 0.0, 0.0, 0.0
-        for j in range(ny):
-            y = coordinate(py, c == 1, j0 + j, image[b, c, 1], lengths[1]) - position[b, 1]
-            gj = wrap(j0 + j, cells[1])
-            area = sx[int(c == 0), gi] * sy[int(c == 1), gj]
-            at = start[b, c] + (i * ny + j) * nz
-            row = field[gi, gj]
-            for k in range(nz):
-                p = phi[at + k]
-                if p == 0.0:
-                    values[at + k] = 0.0
-                    continue
-                r1, r2 = _arms(c, x, y, z[k])
-                # (Ω×r)_c = Ω_{c+1} r_{c+2} − Ω_{c+2} r_{c+1}
-                target = velocity[b, c] + spin1 * r2 - spin2 * r1
-                f = p * (target - row[gk[k]])
-                values[at + k] = f
-                load = f * area * dz[k]
-                f0, f1, f2 = f0 + load, f1 + load * r1, f2 + load * r2
-        sums[t, 0], sums[t, 1], sums[t, 2] = f0, f1, f2
-
-
-def _assemble(task: np.ndarray, sums: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """The matrix and the momenta of each body from the tasks' moments of φ and of φu.
-
-    sums: ∫φ, ∫φr₁, ∫φr₂, ∫φr₁r₁, ∫φr₁r₂, ∫φr₂r₂, ∫φu, ∫φur₁, ∫φur₂ at the points of component c,
-    r₁ and r₂ along the axes c+1 and c+2. Along c, u_p = V_c + Ω₁r₂ − Ω₂r₁.
-    """
-    matrix, momentum = np.zeros((count, 6, 6)), np.zeros((count, 6))
-    body, c = task[:, 0], task[:, 1]
-    force, arm, other = c, 3 + (c + 1) % 3, 3 + (c + 2) % 3
-    m, s1, s2, q11, q12, q22, p, p1, p2 = sums.T
-    for row, signed in ((force, (m, s2, -s1)), (arm, (s2, q22, -q12)), (other, (-s1, -q12, q11))):
-        for column, values in zip((force, arm, other), signed, strict=True):
-            np.add.at(matrix, (body, row, column), values)
-    for row, values in ((force, p), (arm, p2), (other, -p1)):
-        np.add.at(momentum, (body, row), values)
-    return matrix, momentum
+def _moments(sums, phi, w, t, u):
+    """∫φu and ∫φu(x, y, z) of a task."""
+    b, c, i = w.task[t]
+    at = w.start[t]
+    s, sy, sz = 0.0, 0.0, 0.0
+    for m in range(w.run[t], w.run[t + 1]):
+        h, z = w.place[m], w.z[m]
+        p, pz = 0.0, 0.0
+        for k in range(w.length[m]):
+            q = phi[at + k] * u[h + k]
+            p += q * w.width[z + k]
+            pz += q * w.lever[z + k]
+        at += w.length[m]
+        dy = w.width[w.y[m]]
+        s, sy, sz = s + dy * p, sy + w.lever[w.y[m]] * p, sz + dy * pz
+    x, dx = w.arm[w.axis[b, c, 0] + i], w.width[w.axis[b, c, 0] + i]
+    sums[0], sums[1], sums[2], sums[3] = dx * s, dx * x * s, dx * sy, dx * sz
 
 
 @njit(parallel=True, cache=True)
-def _momenta(
-    sums, phi, task, first, count, image, start, px, py, pz, lengths, sx, sy, sz, position, u, v, w,
-):  # fmt: skip
-    cells = (px.shape[1] - 2, py.shape[1] - 2, pz.shape[1] - 2)
-    for t in prange(task.shape[0]):
-        b, c, i = task[t]
-        field = u if c == 0 else (v if c == 1 else w)
-        i0, j0, k0 = first[b, c]
-        ny, nz = count[b, c, 1], count[b, c, 2]
-        x = coordinate(px, c == 0, i0 + i, image[b, c, 0], lengths[0]) - position[b, 0]
-        gi = wrap(i0 + i, cells[0])
-        z, dz, gk = _along_z(pz, sz, c == 2, k0, nz, image[b, c, 2], lengths[2], position[b, 2])
-        m, s1, s2, q11, q12, q22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        p, p1, p2 = 0.0, 0.0, 0.0
-        for j in range(ny):
-            y = coordinate(py, c == 1, j0 + j, image[b, c, 1], lengths[1]) - position[b, 1]
-            gj = wrap(j0 + j, cells[1])
-            area = sx[int(c == 0), gi] * sy[int(c == 1), gj]
-            at = start[b, c] + (i * ny + j) * nz
-            row = field[gi, gj]
-            for k in range(nz):
-                if phi[at + k] == 0.0:
-                    continue
-                r1, r2 = _arms(c, x, y, z[k])
-                weight = phi[at + k] * area * dz[k]
-                m, s1, s2 = m + weight, s1 + weight * r1, s2 + weight * r2
-                q11 += weight * r1 * r1
-                q12 += weight * r1 * r2
-                q22 += weight * r2 * r2
-                load = weight * row[gk[k]]
-                p, p1, p2 = p + load, p1 + load * r1, p2 + load * r2
-        sums[t, 0], sums[t, 1], sums[t, 2] = m, s1, s2
-        sums[t, 3], sums[t, 4], sums[t, 5] = q11, q12, q22
-        sums[t, 6], sums[t, 7], sums[t, 8] = p, p1, p2
-
-
-@njit(parallel=True, cache=True)
-def _add(values, task, first, count, start, order, group, u, v, w):
-    for g in prange(group.size - 1):
-        for m in range(group[g], group[g + 1]):
-            b, c, i = task[order[m]]
-            field = u if c == 0 else (v if c == 1 else w)
-            n0, n1, n2 = field.shape[0] - 2, field.shape[1] - 2, field.shape[2] - 2
-            i0, j0, k0 = first[b, c]
-            ny, nz = count[b, c, 1], count[b, c, 2]
-            gi = wrap(i0 + i, n0)
-            for j in range(ny):
-                gj = wrap(j0 + j, n1)
-                at = start[b, c] + (i * ny + j) * nz
-                for k in range(nz):
-                    gk = wrap(k0 + k, n2)
-                    field[gi, gj, gk] += values[at + k]
+def _impose(phi, w, first, last, velocity, slope, field):
+    for g in prange(first, last):
+        begin, end = w.group[g], w.group[g + 1]
+        plane = field[plane_of(w, begin)].reshape(-1)
+        before = plane.copy()
+        for t in range(begin, end):
+            b, c, i = w.task[t]
+            base, at = velocity[b, c] + slope[b, c, 0] * w.arm[w.axis[b, c, 0] + i], w.start[t]
+            for m in range(w.run[t], w.run[t + 1]):
+                h, z = w.place[m], w.z[m]
+                here = base + slope[b, c, 1] * w.arm[w.y[m]]
+                for k in range(w.length[m]):
+                    target = here + slope[b, c, 2] * w.arm[z + k]
+                    plane[h + k] += phi[at + k] * (target - before[h + k])
+                at += w.length[m]

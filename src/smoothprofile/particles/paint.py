@@ -5,19 +5,20 @@
 The cost is proportional to the painted volume.
 """
 
-import math
 from dataclasses import replace
 
 import numpy as np
-from numba import njit, prange
 
 from smoothprofile.boundaries import FieldBoundary
-from smoothprofile.distances import CAPSULE, ELLIPSOID, MESH, SPHERE, curvature, signed_distance
+from smoothprofile.distances import ELLIPSOID, SPHERE
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState, Forms
+from smoothprofile.particles.painting import Parts, add, by_body, fill
+from smoothprofile.particles.painting import body_distance as body_distance
 from smoothprofile.particles.windows import Windows, windows_around
-from smoothprofile.profiles import Profile, indicator, profile_named
-from smoothprofile.surfaces import sampled_distance
+from smoothprofile.particles.windows import coordinate as coordinate
+from smoothprofile.particles.windows import wrap as wrap
+from smoothprofile.profiles import Profile, profile_named
 
 THINNEST = 0.75
 """Cells to ξ (tanh) below which sums over the grid no longer find a volume to 1e-3 of a cell."""
@@ -37,6 +38,8 @@ class Painter:
         self.grid, self.forms, self.profile, self.thickness = grid, forms, profile, thickness
         self._boundaries = boundaries
         self._points = [np.stack([a.padded_centres, a.padded_faces]) for a in grid.axes]
+        f = forms
+        self._parts = Parts(f.part_start, f.kind, f.size, f.place, f.turn, f.offset)
         self.windows: Windows | None = None
         self.indicator = np.empty(0, grid.dtype)
         self._painted_at: tuple[np.ndarray, np.ndarray] | None = None
@@ -56,28 +59,23 @@ class Painter:
         ):
             return
         rotation = state.rotation
-        self.windows = windows_around(
-            self.grid, self._boundaries, state.position, self.half_sides(rotation)
-        )
-        if self.indicator.size < self.windows.points:
-            self.indicator = np.empty(self.windows.points, self.grid.dtype)
-        f = self.forms
-        _paint(
+        half, balls = self.half_sides(rotation), self._balls(rotation)
+        w = windows_around(self.grid, self._boundaries, state.position, half, balls)
+        if self.indicator.size < w.points:
+            self.indicator = np.empty(w.points, self.grid.dtype)
+        sums = np.empty((w.task.shape[0], 10))
+        fill(
             self.indicator,
-            *self.table(),
-            state.position,
+            sums,
+            w,
+            self._parts,
+            self.forms.samples,
             rotation,
-            f.part_start,
-            f.kind,
-            f.size,
-            f.place,
-            f.turn,
-            f.offset,
-            f.samples,
             self.profile.code,
             self.thickness,
             self.profile.half_width,
         )
+        self.windows, self.sums = w, by_body(w.task, sums, state.count)
         self._painted_at = (state.position.copy(), state.quaternion.copy())
 
     def half_sides(self, rotation: np.ndarray) -> np.ndarray:
@@ -91,6 +89,20 @@ class Painter:
             grown = np.maximum(0.0, np.maximum.reduceat(self.growth(), self.forms.part_start[:-1]))
         return reach + (grown + self.profile.half_width * self.thickness)[:, None]
 
+    def _balls(self, rotation: np.ndarray) -> np.ndarray:
+        """(n,4) centre from the body's position and radius of all that is painted of a sphere."""
+        f, n = self.forms, rotation.shape[0]
+        balls = np.zeros((n, 4))
+        balls[:, 3] = np.inf
+        first = f.part_start[:-1]
+        one = np.flatnonzero((np.diff(f.part_start) == 1) & (f.kind[first] == SPHERE))
+        part = first[one]
+        balls[one, :3] = np.einsum("nij,nj->ni", rotation[one], f.place[part])
+        radius = f.size[part, 0] + f.offset[part, 0]
+        edge = min(self.profile.edge, self.profile.half_width)
+        balls[one, 3] = np.maximum(radius + edge * self.thickness, 0.0)
+        return balls
+
     def growth(self) -> np.ndarray:
         """(parts,) the most by which the painted surface lies outside the true one."""
         kind, size, offset = self.forms.kind, self.forms.size, self.forms.offset
@@ -103,9 +115,8 @@ class Painter:
     def dense(self, component: int) -> np.ndarray:
         """φ of all bodies at one component's points, as a padded field."""
         field = self.grid.zeros()
-        for body in range(self.windows.first.shape[0]):
-            block, places, _ = self._block(body, component)
-            np.add.at(field, np.ix_(*places), block)
+        w = self.windows
+        add(field, self.indicator, w, *w.part[component : component + 2])
         return field
 
     def moments(self, state: BodyState, body: int) -> tuple[float, np.ndarray, np.ndarray]:
@@ -137,8 +148,15 @@ class Painter:
     def _block(self, body: int, component: int) -> tuple[np.ndarray, list, list]:
         """φ in one window, and of its points along each axis the padded indices and the images."""
         w = self.windows
-        shape, at = w.count[body, component], w.start[body, component]
-        block = self.indicator[at : at + shape.prod()].reshape(shape)
+        shape = w.count[body, component]
+        block = np.zeros(shape)
+        for t in np.flatnonzero((w.task[:, :2] == (body, component)).all(axis=1)):
+            at = w.start[t]
+            for m in range(int(w.run[t]), int(w.run[t + 1])):
+                j, k, n = (int(v) for v in (w.y[m], w.z[m], w.length[m]))
+                j, k = j - w.axis[body, component, 1], k - w.axis[body, component, 2]
+                block[w.task[t, 2], j, k : k + n] = self.indicator[at : at + n]
+                at += n
         places, images = [], []
         for d, n in enumerate(self.grid.shape):
             index = w.first[body, component, d] - 1 + np.arange(shape[d])
@@ -158,112 +176,3 @@ class Painter:
                 f[1], f[-1] = f[2], f[-2]
             total += np.moveaxis(0.5 * (f[1:-1] + f[2:])[:, 1:-1, 1:-1], 0, c)
         return np.clip(total / 3.0, 0.0, 1.0)
-
-    def table(self) -> tuple:
-        """What every loop over windows needs: the boxes and the coordinates of their points."""
-        w = self.windows
-        lengths = np.array(self.grid.lengths)
-        return w.task, w.first, w.count, w.image, w.start, *self._points, lengths
-
-
-@njit(parallel=True, cache=True, error_model="numpy")
-def _paint(
-    phi, task, first, count, image, start, px, py, pz, lengths,
-    position, rotation, part_start, kind, size, place, turn, offset, samples, code, xi,
-    half_width,
-):  # fmt: skip
-    for t in prange(task.shape[0]):
-        b, c, i = task[t]
-        x = coordinate(px, c == 0, first[b, c, 0] + i, image[b, c, 0], lengths[0]) - position[b, 0]
-        ny, nz = count[b, c, 1], count[b, c, 2]
-        r, begin, end = rotation[b], part_start[b], part_start[b + 1]
-        z = np.empty(nz)
-        for k in range(nz):
-            z[k] = coordinate(pz, c == 2, first[b, c, 2] + k, image[b, c, 2], lengths[2])
-            z[k] -= position[b, 2]
-        ball = end - begin == 1 and kind[begin] == SPHERE
-        if ball:
-            # Only its distance counts, so that the body need not be turned.
-            shift = r @ place[begin]
-            radius = size[begin, 0] + offset[begin, 0]
-        for j in range(ny):
-            y = coordinate(py, c == 1, first[b, c, 1] + j, image[b, c, 1], lengths[1])
-            y -= position[b, 1]
-            at = start[b, c] + (i * ny + j) * nz
-            row = phi[at : at + nz]
-            if ball:
-                across = (x - shift[0]) ** 2 + (y - shift[1]) ** 2
-                _ball_row(row, z, shift[2], across, radius, code, xi, half_width)
-                continue
-            for k in range(nz):
-                d = body_distance(
-                    r[0, 0] * x + r[1, 0] * y + r[2, 0] * z[k],
-                    r[0, 1] * x + r[1, 1] * y + r[2, 1] * z[k],
-                    r[0, 2] * x + r[1, 2] * y + r[2, 2] * z[k],
-                    begin, end, kind, size, place, turn, offset, samples,
-                )  # fmt: skip
-                row[k] = _cut_off(code, d / xi, half_width)
-
-
-@njit
-def _ball_row(row, z, centre, across, radius, code, xi, half_width):
-    """φ of a sphere along z: most points need no root."""
-    outer = radius + half_width * xi
-    inner = max(0.0, radius - half_width * xi)
-    for k in range(z.size):
-        square = across + (z[k] - centre) ** 2
-        if square >= outer * outer:
-            row[k] = 0.0
-        elif square < inner * inner:
-            row[k] = 1.0
-        else:
-            row[k] = _cut_off(code, (math.sqrt(square) - radius) / xi, half_width)
-
-
-@njit(inline="always")
-def _cut_off(code, s, half_width):
-    """φ(s), 0 and 1 beyond the layer."""
-    if s > half_width:
-        return 0.0
-    if s < -half_width:
-        return 1.0
-    return indicator(code, s)
-
-
-@njit(inline="always")
-def coordinate(points, on_face, index, image, length):
-    """Coordinate of padded index `index`, which may run on through the periods of the axis."""
-    n = points.shape[1] - 2
-    while index > n:
-        index -= n
-        image += 1
-    return points[1 if on_face else 0, index] + image * length
-
-
-@njit(inline="always")
-def wrap(index, n):
-    """The padded index within the box."""
-    while index > n:
-        index -= n
-    return index
-
-
-@njit
-def body_distance(x, y, z, begin, end, kind, size, place, turn, offset, samples=None):
-    nearest = math.inf
-    for p in range(begin, end):
-        m = turn[p]
-        dx, dy, dz = x - place[p, 0], y - place[p, 1], z - place[p, 2]
-        a = m[0, 0] * dx + m[1, 0] * dy + m[2, 0] * dz
-        b = m[0, 1] * dx + m[1, 1] * dy + m[2, 1] * dz
-        c = m[0, 2] * dx + m[1, 2] * dy + m[2, 2] * dz
-        d = signed_distance(kind[p], size[p, 0], size[p, 1], size[p, 2], a, b, c)
-        # Compiled away where there are no samples.
-        if samples is not None:  # noqa: SIM102
-            if kind[p] >= MESH:
-                d = sampled_distance(samples, kind[p] - MESH, a, b, c)
-        d -= offset[p, 0]
-        if offset[p, 1] != 0.0 and (kind[p] == ELLIPSOID or kind[p] == CAPSULE):
-            d -= offset[p, 1] * curvature(kind[p], size[p, 0], size[p, 1], size[p, 2], a, b, c)
-        nearest = min(nearest, d)
-    return nearest

@@ -1,14 +1,25 @@
-"""All bodies of a run, behind five verbs: move, paint, settle, impose, and the mean they cause."""
+"""All bodies of a run, behind their verbs: move, feel, paint, settle, impose."""
+
+from collections.abc import Callable
 
 import numpy as np
 
 from smoothprofile.particles.bodies import BodyState
 from smoothprofile.particles.dynamics import FreeMotion
 from smoothprofile.particles.inertia import DisplacedFluid
-from smoothprofile.particles.loads import Impulse
+from smoothprofile.particles.loads import Impulse, vectors
 from smoothprofile.particles.motion import PrescribedMotion
 from smoothprofile.particles.paint import Painter
+from smoothprofile.particles.stress import displaced_moments, stresslets
 from smoothprofile.schemes import Scheme
+
+Pull = Callable[[BodyState, float], np.ndarray]
+"""(state, time) -> force and torque on each body, (n,6), along the box's axes."""
+
+
+def no_pull(state: BodyState, time: float) -> np.ndarray:
+    """Nothing acts from afar."""
+    return np.zeros((state.count, 6))
 
 
 class Particles:
@@ -23,13 +34,19 @@ class Particles:
         painter: Painter,
         impulse: Impulse,
         density: float,
+        pull: Pull = no_pull,
     ):
-        """displaced, density: of the fluid."""
+        """displaced, density: of the fluid. pull: what else acts on bodies where they are."""
         self.state, self.motion, self.painter, self.impulse = state, motion, painter, impulse
-        self.density = density
+        self.density, self.pull = density, pull
         self.past_velocity: list[tuple[np.ndarray, np.ndarray]] = []
         self.free, self.displaced = free, displaced
+        self._rate, self._change = 0.0, None
+        # Moments of φu of the velocity that the bodies last settled in, until it is imposed upon.
+        self._fluid: np.ndarray | None = None
         painter.paint(state)
+        if free.rows.size:
+            free.learn(impulse.matrix(painter))
 
     def move(self, time: float, since: float, levels: int) -> None:
         """To where the bodies are at `time`; `levels` past velocities are kept for the loads."""
@@ -41,47 +58,87 @@ class Particles:
         # Free bodies are placed from two levels, whatever the scheme.
         del self.past_velocity[max(levels, 2) :]
 
+    def carry(self, velocity: tuple) -> float:
+        """u ← u + φ(u_p − u) before any step; the largest ∫|f| dV or ∫|r×f| dV of a body."""
+        gained = self.impulse.impose(self.painter, self.state, velocity)
+        return max(float(np.abs(gain).max(initial=0.0)) for gain in gained)
+
+    def feel(self, time: float) -> None:
+        """Take the loads that act on the bodies from afar, where they are now."""
+        self.free.feel(self.pull(self.state, time))
+
     def paint(self) -> None:
         self.painter.paint(self.state)
+        self._fluid = None
 
     def settle(self, velocity: tuple, scheme: Scheme, dt: float) -> None:
         """Find the velocities of free bodies that the impulse on this fluid will leave them."""
-        if not self.free.rows.size:
-            return
-        self._matrix, momentum = self.impulse.momenta(self.painter, self.state, velocity)
-        past = self.past_velocity
-        self.free.solve(self.state, past, scheme, dt, self._matrix, momentum)
-        self._scheme = scheme
+        fields = dict(enumerate(velocity))
+        self._fluid = self.impulse.fluid_moments(self.painter, self.state.count, fields)
+        self._responses: dict[int, np.ndarray] = {}
+        self._solve(scheme, dt)
+
+    def settle_with(self, force: np.ndarray, scheme: Scheme, dt: float) -> None:
+        """Once more, `force` (3,) times the responses that `added_mean` has seen being added."""
+        for component, response in self._responses.items():
+            self._fluid += force[component] * response
+        self._responses = {}
+        self._solve(scheme, dt)
 
     def impose(self, velocity: tuple, scheme: Scheme, dt: float) -> None:
         """u ← u + φ(u_p − u), and the loads on the bodies."""
         state, rate = self.state, scheme.gamma / dt
         change = self._changes(scheme)
         inertia = self.displaced.loads(state, *(rate * c for c in change))
-        gained = self.impulse.impose(self.painter, state, velocity)
+        gained = self.impulse.impose(self.painter, state, velocity, self._fluid)
+        self._fluid = None
         for load, needed, gain in zip((state.force, state.torque), inertia, gained, strict=True):
             load[:] = self.density * (needed - rate * gain)
-        self.free.note_change([scheme.gamma * c for c in change])
+        self._rate, self._change = rate, change
+
+    def stresslets(self) -> np.ndarray:
+        """(n,3,3) of the step just taken; zero before the first."""
+        if self._change is None:
+            return np.zeros((self.state.count, 3, 3))
+        needed = displaced_moments(
+            self.displaced, self.state, *(self._rate * c for c in self._change)
+        )
+        gained = self.impulse.first_moments(self.painter, self.state)
+        return stresslets(gained, needed, self._rate, self.density)
 
     def added_mean(self, field: np.ndarray, component: int, is_velocity: bool) -> float:
         """What `impose` would add to the mean of that velocity component.
 
-        Of a response, a field that is added to the fluid's velocity, with what it adds to the
-        velocity of free bodies.
+        Of the velocity that the bodies settled in; or of a response, what a uniform force adds to
+        it, with what that adds to the velocity of free bodies.
         """
-        state = self.state
-        motion = (state.velocity, state.angular_velocity)
-        if not is_velocity:
-            motion = self._response_motion(field, component)
-        return self.impulse.solid_mean(self.painter, state, motion, field, component)
+        if is_velocity:
+            motion = (self.state.velocity, self.state.angular_velocity)
+            return self.impulse.solid_mean(self.painter, motion, self._fluid, component)
+        fluid = self._responses[component] = self._moments_of_response(field, component)
+        motion = self._response_motion(fluid)
+        return self.impulse.solid_mean(self.painter, motion, fluid, component, response=True)
 
-    def _response_motion(self, field: np.ndarray, component: int) -> tuple:
+    def _solve(self, scheme: Scheme, dt: float) -> None:
+        if not self.free.rows.size:
+            return
+        self._scheme, self._matrix = scheme, self.impulse.matrix(self.painter)
+        momentum = self.impulse.momentum(self.painter, self._fluid)
+        self.free.solve(self.state, self.past_velocity, scheme, dt, self._matrix, momentum)
+
+    def _moments_of_response(self, field: np.ndarray, component: int) -> np.ndarray:
+        count, sums = self.state.count, self.painter.sums
+        if not all(self.painter.grid.periodic):
+            return self.impulse.fluid_moments(self.painter, count, {component: field})
+        # Without walls a uniform force moves all fluid alike.
+        fluid = np.zeros((count, 3, 4))
+        fluid[:, component] = float(field[1, 1, 1]) * sums[:, component, :4]
+        return fluid
+
+    def _response_motion(self, fluid: np.ndarray) -> tuple:
         gain = np.zeros((self.state.count, 6))
         if self.free.rows.size:
-            nothing = np.broadcast_to(np.zeros((), field.dtype), field.shape)
-            fields = tuple(field if c == component else nothing for c in range(3))
-            _, momentum = self.impulse.momenta(self.painter, self.state, fields)
-            gain = self.free.response(self.state, self._scheme, self._matrix, momentum)
+            gain = self.free.response(self.state, self._scheme, self._matrix, vectors(fluid))
         return gain[:, :3], gain[:, 3:]
 
     def _changes(self, scheme: Scheme) -> list[np.ndarray]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from importlib import import_module
 
+from smoothprofile.config.refusals import nearest, shown
 from smoothprofile.errors import CaseError
 from smoothprofile.studies.study import Study
 
@@ -13,12 +14,15 @@ STUDIES: dict[str, str] = {
     "sphere-force": "A dielectric sphere in a non-uniform field (thesis 4.2)",
     "lattice": "A periodic lattice of dielectric spheres (thesis 4.3)",
     "profiles": "Which profile and smoothing of permittivity is most accurate",
+    "viscosity": "Effective viscosity of a dilute suspension, and the stresslet of a sphere",
 }
 """Name -> what it is about. The function `run` of the file of that name does it."""
 
 
 def study_named(name: str) -> Callable[[], Study]:
-    """The function that runs a study; CaseError with the list of names otherwise."""
+    """The function that runs a study; CaseError with the nearest name if there is none."""
     if name not in STUDIES:
-        raise CaseError(f"No study is called {name!r}; there are {', '.join(STUDIES)}.")
+        like = nearest(name, list(STUDIES))
+        offer = f"the nearest is {like}" if like else f"there are {', '.join(STUDIES)}"
+        raise CaseError(f"no study is called {shown(name)}; {offer}.")
     return import_module(f"smoothprofile.studies.{name.replace('-', '_')}").run
