@@ -70,9 +70,24 @@ def test_offsets_of_other_shapes_follow_their_curvature():
 
 
 def test_bad_permittivities_are_refused():
-    for value in (0.0, -1.0):
-        with pytest.raises(CaseError, match="permittivity"):
-            dielectric_medium(unit_cube(8), [shapes.sphere(0.3)], [value])
+    ball = [shapes.sphere(0.3)]
+    for value in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(CaseError, match="a permittivity is"):
+            dielectric_medium(unit_cube(8), ball, [value])
+        with pytest.raises(CaseError, match="a permittivity is"):
+            dielectric_medium(unit_cube(8), ball, [2.0], fluid=value)
+    for value in (0.0, -1.0, np.nan):
+        with pytest.raises(CaseError, match=r"profile\.thickness is"):
+            dielectric_medium(unit_cube(8), ball, [2.0], thickness=value)
+    with pytest.raises(CaseError, match="1 bodies have 2 permittivities"):
+        dielectric_medium(unit_cube(8), ball, [2.0, 3.0])
+
+
+def test_a_field_that_is_no_number_is_refused():
+    grid = unit_cube(8)
+    solver, medium = PotentialSolver(grid), dielectric_medium(grid, [shapes.sphere(0.3)], [2.0])
+    with pytest.raises(CaseError, match="mean field along y is nan"):
+        solver.solve(medium, (1.0, np.nan, 0.0))
 
 
 def test_a_mesh_has_no_permittivity(tmp_path):
