@@ -354,7 +354,7 @@ def test_files_that_hold_no_surface_are_refused(content, expected, tmp_path, mon
         ({"file": None}, "particles.0.file is missing; a mesh needs file"),
         ({"scale": 0}, "particles.0.scale is 0; it must be a finite number above 0"),
         ({"repair": 1}, "particles.0.repair is 1; it must be true or false"),
-        ({"radius": 1}, "particles.0.radius is 1.0; a mesh takes file and scale"),
+        ({"radius": 1}, "particles.0.radius is 1.0; a mesh needs file, and may have scale"),
         ({"shape": "sphere", "radius": 1}, 'particles.0.file is "body.stl"; a sphere takes radius'),
     ],
 )

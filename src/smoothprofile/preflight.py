@@ -274,6 +274,8 @@ def _duration(case: Case, grid: Grid, pairing: Pairing) -> Check:
     cells = SECONDS_PER_CELL * grid.cell_count / thread_count() ** 0.75
     seconds = steps * (SECONDS_PER_STEP + cells)
     note = f"{steps} steps at most, a rough estimate for {_count(thread_count(), 'thread')}"
+    if case.start:
+        note += "; the coarser runs before it are not counted"
     return check_row("time (s)", seconds, None, "ok", note)
 
 
