@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from smoothprofile import __version__
-from smoothprofile.output import read_run
+from smoothprofile.runrecord import read_run
 
 CASE = """\
 title = "A sphere between sliding walls"

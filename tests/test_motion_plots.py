@@ -5,8 +5,14 @@ import pytest
 
 from smoothprofile import report
 from smoothprofile.figures import drawing
-from smoothprofile.motion_plots import motion_picture, spin_picture
-from smoothprofile.output import RunRecord
+from smoothprofile.motion_numbers import half_turns, motion_numbers
+from smoothprofile.motion_plots import (
+    drift_picture,
+    motion_picture,
+    pair_picture,
+    spin_picture,
+)
+from smoothprofile.runrecord import RunRecord
 
 TIME = np.linspace(0.0, 2.0, 21)
 QUARTER = {"label": "exact", "peak_speed": 0.3, "measured": {"label": "lab", "peak_speed": 0.31}}
@@ -66,11 +72,62 @@ def test_the_first_axis_goes_round_with_the_body():
     assert lines["Ω₃, bead"] == pytest.approx(1.5 + 0 * TIME)
 
 
-def test_many_bodies_share_a_colour_and_a_label():
+def test_many_bodies_are_drawn_as_their_mean():
+    falls = {f"bead {n}": columns(0.1 + 0.01 * n) for n in range(9)}
     with drawing():
-        lines = drawn(motion_picture({f"bead {n}": columns(0.1 + 0.01 * n) for n in range(9)}, {}))
-    assert "V₃, each of 9 bodies" in lines
+        lines = drawn(motion_picture(falls, {"label": "law", "mean_speed": 0.2}))
+    mean = np.mean([c["velocity_z"] for c in falls.values()], axis=0)
+    assert lines["V₃, mean of 9 bodies"] == pytest.approx(mean)
+    assert lines["law"][0] == pytest.approx(-0.2)
     assert not any(label.endswith("bead 3") for label in lines)
+
+
+def test_a_reference_curve_has_the_sign_of_the_motion():
+    known = {"label": "exact", "speed": {"coordinate": [0.5, 1.0], "value": [0.2, 0.25]}}
+    with drawing():
+        lines = drawn(motion_picture({"bead": columns()}, known))
+    assert lines["exact"] == pytest.approx([-0.2, -0.25])
+
+
+def pair():
+    """A body over another, which it reaches and goes round."""
+    turn = np.pi / 4 * TIME
+    above = columns()
+    apart = 3.0 - 0.4 * TIME
+    below = columns()
+    above["position_x"] = below["position_x"] + apart * np.sin(turn)
+    above["position_z"] = below["position_z"] + apart * np.cos(turn)
+    return {"below": below, "above": above}
+
+
+def test_distance_and_turn_of_a_pair():
+    with drawing():
+        picture = pair_picture(pair(), {"contact_distance": 2.0})
+        lines = drawn(picture)
+        assert pair_picture(pair(), {}) is None
+    assert lines["this run"] == pytest.approx(3.0 - 0.4 * TIME)
+    assert lines["touch"][0] == 2.0
+    assert picture.figure.axes[1].lines[0].get_ydata()[-1] == pytest.approx(90.0)
+
+
+def test_drift_beside_known_places():
+    with drawing():
+        lines = drawn(drift_picture(pair(), {"label": "there", "places": {"x": [0.5, -0.5]}}))
+    assert lines["above"] == pytest.approx(pair()["above"]["position_x"])
+    assert lines["there"][0] == 0.5
+
+
+def test_numbers_of_motion():
+    """Final and mean speeds, least distance, and half turns about z by Ωt: π/Ω."""
+    found = motion_numbers(pair())
+    assert found["final_speed"] == pytest.approx(np.abs(columns()["velocity_z"][-1]))
+    assert found["least_distance"] == pytest.approx(2.2)
+    late = TIME >= 1.0
+    assert found["mean_speed"] == pytest.approx(np.abs(columns()["velocity_z"][late]).mean())
+    turning = columns(spin=5.0)
+    assert motion_numbers({"bead": turning})["angular_velocity"] == 5.0
+    # Crossings are interpolated over ΩΔt = .5.
+    assert half_turns(turning) == pytest.approx([np.pi / 5.0] * 2, rel=0.02)
 
 
 def test_the_peak_speed_stands_beside_the_reference(tmp_path):

@@ -21,7 +21,7 @@ def crowd(count, densities, cells, seed=3, **more):
     generator = np.random.default_rng(seed)
     side, radius = 4.0, 0.4
     places = [
-        p + 0.04 * generator.normal(size=3)
+        p + 0.02 * generator.uniform(-1, 1, 3)
         for p in np.ndindex(4, 4, 4)
         for p in [0.5 + np.array(p)]
     ]

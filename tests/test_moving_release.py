@@ -131,16 +131,17 @@ def test_a_free_body_starts_at_its_velocity(density):
             angular_velocity=[0, 0, 1.0],
         ),
         cells=[20] * 3,
-        viscosity=1e-3,
+        viscosity=0.02,
         retract=False,
-        step=0.01,
+        step=0.005,
     )
     inside = run.particles[0]["interior_velocity"]
     steps(run, 1)
-    # Without it, a body of the fluid's density would come to rest at once.
+    # Without it, a body of the fluid's density would come to rest at once. The layer's own fluid
+    # takes a share within a step, ξ/a of the whole at most.
     assert inside == pytest.approx([0.5, 0, 0], abs=0.01)
-    assert run.bodies.state.velocity[0, 0] == pytest.approx(0.5, rel=0.05)
-    assert run.bodies.state.angular_velocity[0, 2] == pytest.approx(1.0, rel=0.1)
+    assert 0.42 < run.bodies.state.velocity[0, 0] < 0.5
+    assert 0.7 < run.bodies.state.angular_velocity[0, 2] < 1.0
 
 
 def test_bodies_at_rest_in_fluid_at_rest_start_from_nothing():

@@ -11,7 +11,8 @@ import pytest
 
 from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.grid import Grid, uniform_axis
-from smoothprofile.output import RunDirectory, next_free_directory, read_run, to_json
+from smoothprofile.output import RunDirectory, next_free_directory, to_json
+from smoothprofile.runrecord import read_run
 
 CASE = """\
 title = "A sphere <held> in a duct"
@@ -50,7 +51,9 @@ class FakeSimulation:
 
     def __init__(self, case_toml: str = CASE, time_step: float = 0.05, bodies: int = 1):
         data = tomllib.loads(case_toml)
-        output = {"fields_every": None, "wall_line": None} | data["output"]
+        output = {"fields_every": None, "checkpoint_every": 300.0, "wall_line": None} | data[
+            "output"
+        ]
         output["plane"] = SimpleNamespace(axis="z", at=None)
         output["lines"] = [SimpleNamespace(**line) for line in output.get("lines", ())]
         if output["wall_line"]:

@@ -15,7 +15,8 @@ from matplotlib.image import imread
 from smoothprofile import report, webpage
 from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.figures import PALETTE
-from smoothprofile.output import RunDirectory, read_run
+from smoothprofile.output import RunDirectory
+from smoothprofile.runrecord import read_run
 from smoothprofile.plots import pictures
 from test_output import CASE, FakeSimulation, write_run
 

@@ -10,16 +10,13 @@ from typing import Annotated
 import typer
 
 from smoothprofile.console import (
-    Watcher,
     answer,
     check_free,
     exit_codes,
-    leave,
     print_json,
     print_table,
     say,
 )
-from smoothprofile.errors import BlowUpError
 
 app = typer.Typer(
     help="Particles in incompressible flow by the smoothed profile method.",
@@ -137,46 +134,39 @@ def run(
     ] = None,
     set_: Settings = None,
     threads: Threads = None,
+    resume: Annotated[
+        bool,
+        typer.Option("--resume-if-exists", help="Go on if the run directory is there already."),
+    ] = False,
     json: Json = False,
 ) -> None:
     """Run a case; ends with a table and a report."""
     with exit_codes(json):
         from smoothprofile.config import load_case
-        from smoothprofile.output import RunDirectory, next_free_directory
-        from smoothprofile.report import write_report
-        from smoothprofile.runs import Run, run_of
+        from smoothprofile.running import go_on, start
 
+        if resume and out is not None and out.exists():
+            _use(threads)
+            go_on(out, json)
+            return
         check_free(out, "output directory")
         loaded = load_case(case, set_ or [])
         _use(threads)
-        with Watcher(quiet=json) as watcher:
-            simulation = run_of(loaded)
-            for row in simulation.preflight():
-                if row["verdict"] == "warn":
-                    say("Note: {name} is {value:.3g}, against {limit:.3g}: {note}.".format(**row))
-            path = out or next_free_directory("runs", Path(case).stem)
-            directory = RunDirectory(path, simulation.case.to_toml(), simulation.preflight())
+        start(case, loaded, out, json)
 
-            def observe(running: Run) -> None:
-                watcher(running)
-                if running is simulation:
-                    directory.record(running)
 
-            broken_off = None
-            try:
-                with directory:
-                    simulation.run(observe)
-                    summary = directory.finish(simulation)
-            except (BlowUpError, KeyboardInterrupt) as error:
-                broken_off = error
-        page = write_report(path)
-        if broken_off is not None:
-            leave(broken_off, json, path, page)
-        if json:
-            print_json({**summary, "directory": str(path), "report": str(page)})
-            return
-        print_table(simulation.case.title, ("quantity", "value", ""), simulation.table())
-        say(f"Everything is in {path}; open {page}.")
+@app.command()
+def resume(
+    directory: Annotated[Path, typer.Argument(metavar="DIRECTORY", help="A run directory.")],
+    threads: Threads = None,
+    json: Json = False,
+) -> None:
+    """Go on with a run that was stopped or killed, exactly where its last checkpoint is."""
+    with exit_codes(json):
+        from smoothprofile.running import go_on
+
+        _use(threads)
+        go_on(directory, json)
 
 
 @app.command()
@@ -196,6 +186,27 @@ def report(
         path = write_report(directory, out)
         if json:
             print_json({"report": str(path)})
+        else:
+            say(f"Wrote {path}.")
+
+
+@app.command()
+def film(
+    directory: Annotated[Path, typer.Argument(metavar="DIRECTORY", help="A run directory.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="An .mp4 or .gif to write; film.mp4 there if left out."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Film the beads of a run."""
+    with exit_codes(json):
+        from smoothprofile.film import write_film
+
+        check_free(out)
+        path = write_film(directory, out)
+        if json:
+            print_json({"film": str(path)})
         else:
             say(f"Wrote {path}.")
 

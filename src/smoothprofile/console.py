@@ -16,7 +16,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from smoothprofile.errors import BlowUpError, CaseError
+from smoothprofile.errors import BlowUpError, CaseError, StoppedError
 from smoothprofile.jsontext import to_json
 
 if TYPE_CHECKING:
@@ -110,6 +110,8 @@ def _ending(error: BaseException) -> tuple[str, int, str]:
     """Status, exit code and sentence."""
     if isinstance(error, BlowUpError):
         return "blew_up", BLEW_UP, str(error)
+    if isinstance(error, StoppedError):
+        return "interrupted", STOPPED, str(error)
     if isinstance(error, KeyboardInterrupt):
         return "interrupted", STOPPED, "Stopped by a signal."
     if isinstance(error, MemoryError):

@@ -14,7 +14,7 @@ from smoothprofile.flow.state import FlowState
 from smoothprofile.particles.particles import Particles
 
 Coupling = Callable[[Flow, Particles, FlowState, float], None]
-# Each leaves a third of what goes through a sphere, and two thirds through a disc.
+# A round leaves a third of what flows through a sphere, and two thirds through a disc.
 START_ROUNDS = 10
 
 

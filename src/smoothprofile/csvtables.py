@@ -1,6 +1,7 @@
 """CSV tables that grow row by row, and reading them back as columns."""
 
 import csv
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,14 +16,27 @@ SUFFIXES = {3: "xyz", 4: "wxyz", 6: ("xx", "yy", "zz", "yz", "xz", "xy")}
 class GrowingTable:
     """A CSV file that grows: the first row names the columns, each row is flushed."""
 
-    def __init__(self, path: Path):
-        self._file = path.open("x", newline="", encoding="utf-8")
+    def __init__(self, path: Path, size: int | None = None):
+        """A new file, or one that is there, cut back to `size` bytes, to go on with."""
+        self._file = path.open("x" if size is None else "r+", newline="", encoding="utf-8")
         self._writer: csv.DictWriter | None = None
+        if size is not None:
+            self._file.truncate(size)
+            self._file.seek(size)
+        self._begun = bool(size)
+
+    @property
+    def size(self) -> int:
+        """Bytes that are safely on the disk."""
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        return os.fstat(self._file.fileno()).st_size
 
     def append(self, row: Mapping[str, Any]) -> None:
         if self._writer is None:
             self._writer = csv.DictWriter(self._file, list(row), lineterminator="\n")
-            self._writer.writeheader()
+            if not self._begun:
+                self._writer.writeheader()
         self._writer.writerow(row)
         self._file.flush()
 

@@ -1,4 +1,4 @@
-"""The two ways a run ends badly, as exceptions that carry a sentence for the user."""
+"""The ways a run ends before its end, as exceptions that carry a sentence for the user."""
 
 
 class CaseError(ValueError):
@@ -13,3 +13,7 @@ class BlowUpError(ArithmeticError):
 
     Names the field, the cell, the time and the limit that was exceeded.
     """
+
+
+class StoppedError(Exception):
+    """A run that was asked to stop, or whose time was up, after a checkpoint. Exit code 4."""

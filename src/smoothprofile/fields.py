@@ -9,7 +9,7 @@ centres). Nothing is stored twice: a hard link gives an HDF5 dataset a second na
 Format: VTKHDF specification, https://docs.vtk.org/en/latest/vtk_file_formats.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import h5py
@@ -43,6 +43,23 @@ class FieldsFile:
         self.dtype = np.dtype({"single": "<f4", "double": "<f8"}[precision])
         self.times: list[float] = []
         self.names: tuple[str, ...] = ()
+
+    def cut_back(self, times: Sequence[float], names: Sequence[str]) -> None:
+        """Take the file that is there for one's own, with the first snapshots alone.
+
+        CaseError if it holds fewer, or cannot be read.
+        """
+        try:
+            with h5py.File(self.path, "r+", locking=False) as file:
+                if file["time"].shape[0] < len(times):
+                    raise CaseError(f"{self.path} holds fewer snapshots than the checkpoint says.")
+                for name in ("time", *names):
+                    file[name].resize(len(times), axis=0)
+                self.names, self.times = tuple(names), list(times)
+                if times:
+                    _describe_for_vtk(file, self.grid, self.names)
+        except (OSError, KeyError) as error:
+            raise CaseError(f"{self.path} cannot be gone on with: it is damaged.") from error
 
     def append(self, time: float, fields: Mapping[str, np.ndarray]) -> None:
         """Add one snapshot of every field: scalars (nx, ny, nz), vectors (3, nx, ny, nz).

@@ -22,9 +22,10 @@ def motion_picture(
 ) -> Picture | None:
     """Velocity of each body against time, and its height: its place along the main direction.
 
-    Components smaller than a fiftieth of the largest are left out; of many bodies, their mean and
-    their standard deviation are drawn. The reference's `peak_speed`, `final_speed` or `mean_speed`
-    and those of the computations and measurements beside it are levels, its `speed` a curve.
+    Components smaller than a fiftieth of the largest are left out; of many bodies, the mean of the
+    largest and its standard deviation are drawn. The reference's `peak_speed`, `final_speed` or
+    `mean_speed` and those of the computations and measurements beside it are levels, its `speed` a
+    curve.
     """
     bodies = {name: c for name, c in particles.items() if len(c["time"]) > 1 and _travels(c)}
     if not bodies:
@@ -34,7 +35,7 @@ def motion_picture(
     main = max(sizes, key=sizes.get)
     shown = [axis for axis in NUMBERS if sizes[axis] > SMALL * sizes[main]]
     if len(bodies) > len(PALETTE):
-        _draw_spread(speeds, places, list(bodies.values()), shown, main)
+        _draw_spread(speeds, places, list(bodies.values()), main)
     else:
         _draw_each(speeds, places, bodies, shown, main)
     _draw_levels(speeds, reference, bodies, main)
@@ -136,15 +137,14 @@ def _draw_each(speeds, places, bodies: Mapping[str, Columns], shown, main: str) 
     places.set_ylabel(f"{SYMBOLS[main]} (length)")
 
 
-def _draw_spread(speeds, places, bodies: list[Columns], shown, main: str) -> None:
+def _draw_spread(speeds, places, bodies: list[Columns], main: str) -> None:
     """Mean and standard deviation over the bodies; of places, counted from where each started."""
-    time, words = bodies[0]["time"], f"mean of {len(bodies)} bodies"
-    for number, axis in enumerate(shown):
-        values = np.stack([c[f"velocity_{axis}"] for c in bodies])
-        name = f"V{NUMBERS[axis]}, {words}"
-        _draw_band(speeds, time, values, PALETTE[number], name, None if number else "±σ")
+    time, colour = bodies[0]["time"], PALETTE[0]
+    values = np.stack([c[f"velocity_{main}"] for c in bodies])
     way = np.stack([c[f"position_{main}"] - c[f"position_{main}"][0] for c in bodies])
-    _draw_band(places, time, way, PALETTE[shown.index(main)], None, None)
+    label = f"V{NUMBERS[main]}, mean of {len(bodies)} bodies"
+    _draw_band(speeds, time, values, colour, label, "± standard deviation")
+    _draw_band(places, time, way, colour, None, None)
     places.set_ylabel(f"{SYMBOLS[main]} from the start (length)")
 
 

@@ -6,6 +6,7 @@
     particles.csv   one row per recorded step and particle
     trajectory.gsd  one frame per recorded step, if bodies move (see trajectories.py)
     lines.csv       velocity along the lines, and shear along the wall line, at the end
+    structure.csv   pairs of beads by distance, at the end, if a field moves them
     plane.npz       the fields in one plane, at the end
     fields.h5       snapshots of the fields (see fields.py)
     summary.json    the result in one object
@@ -13,30 +14,40 @@
 Tables are flushed row by row, so that a run that is killed keeps what it had computed.
 """
 
-import json
+import fcntl
 import math
 import os
 import platform
 import shlex
 import sys
-import tomllib
+import time as clock
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
-from zipfile import BadZipFile
+from typing import IO, Any
 
 import numpy as np
 
-from smoothprofile.csvtables import GrowingTable, flat_row, grouped_by, number_columns, read_table
-from smoothprofile.errors import BlowUpError, CaseError
+from smoothprofile import structure
+from smoothprofile.checkpoint import write_checkpoint
+from smoothprofile.csvtables import GrowingTable, flat_row
+from smoothprofile.errors import BlowUpError, CaseError, StoppedError
 from smoothprofile.fields import FieldsFile
 from smoothprofile.grid import AXIS_NAMES
 from smoothprofile.jsontext import plain, to_json
-from smoothprofile.trajectories import NoTrajectory, Trajectory, trajectory_of
+from smoothprofile.runrecord import read_json
+from smoothprofile.trajectories import NoTrajectory, Trajectory, cut_back, trajectory_of
 
+# How far the files of a new run are: none is there.
+NOTHING_YET = {
+    "history": None,
+    "particles": None,
+    "rows": 0,
+    "next_snapshot": None,
+    "snapshots": {"times": [], "names": []},
+}
+LOCK = "lock"
 LIBRARIES = ("smoothprofile", "numpy", "scipy", "numba", "ducc0", "h5py", "gsd")
 
 
@@ -75,25 +86,80 @@ class RunDirectory:
             raise CaseError(
                 f"the output directory {self.path} cannot be made: {error.strerror}."
             ) from error
+        self._lock = lock(self.path)
         (self.path / "case.toml").write_text(case_toml, encoding="utf-8")
+        self._case_toml = case_toml
         self._run = {
             "status": "running",
             "message": None,
             "started": _now(),
             "ended": None,
             "command": shlex.join(sys.argv),
-            "versions": {"python": platform.python_version()}
-            | {name: version(name) for name in LIBRARIES},
+            "versions": _versions(),
             "machine": _machine(),
             "preflight": list(preflight),
+            "resumed": [],
         }
         self._write_run()
-        self._history = GrowingTable(self.path / "history.csv")
-        self._particles = GrowingTable(self.path / "particles.csv")
-        self._rows = 0
+        self._open(NOTHING_YET)
+
+    @classmethod
+    def resumed(
+        cls, path: Path, saved: Mapping[str, Any] | None, simulation: Any
+    ) -> "RunDirectory":
+        """Go on in a directory that is there, from what `saved` gave; None: from the start.
+
+        What was written after that checkpoint is cut off. CaseError if another run is at work.
+        """
+        self = cls.__new__(cls)
+        self.path, self._lock = Path(path), lock(Path(path))
+        self._case_toml = (self.path / "case.toml").read_text(encoding="utf-8")
+        self._run = read_json(self.path / "run.json")
+        entry = {"at": _now(), "step": simulation.steps, "versions": _versions()}
+        self._run["resumed"] = [*self._run.get("resumed", ()), entry]
+        self._run |= {"status": "running", "message": None, "ended": None}
+        self._write_run()
+        cut_back(self.path / "trajectory.gsd", simulation.steps if saved else -1)
+        self._open(saved or {**NOTHING_YET, "history": 0, "particles": 0})
+        fields = self.path / "fields.h5"
+        if self._snapshots["times"]:
+            self._fields = FieldsFile(fields, simulation.grid)
+            self._fields.cut_back(**self._snapshots)
+        else:
+            fields.unlink(missing_ok=True)
+        (self.path / "lines.csv").unlink(missing_ok=True)
+        return self
+
+    def _open(self, saved: Mapping[str, Any]) -> None:
+        self._history = GrowingTable(self.path / "history.csv", saved["history"])
+        self._particles = GrowingTable(self.path / "particles.csv", saved["particles"])
+        self._rows, self._next_snapshot = saved["rows"], saved["next_snapshot"]
+        self._snapshots = saved["snapshots"]
         self._fields: FieldsFile | None = None
         self._trajectory: Trajectory | NoTrajectory | None = None
-        self._next_snapshot: float | None = None
+        self._last_checkpoint = clock.monotonic()
+
+    def saved(self) -> dict[str, Any]:
+        """How far each file has come, for a checkpoint."""
+        if self._trajectory is not None:
+            self._trajectory.flush()
+        written = self._fields
+        return {
+            "history": self._history.size,
+            "particles": self._particles.size,
+            "rows": self._rows,
+            "next_snapshot": self._next_snapshot,
+            "snapshots": {
+                "times": written.times if written else [],
+                "names": written.names if written else [],
+            },
+        }
+
+    def checkpoint(self, simulation: Any) -> None:
+        """Write where the run and its files are now, so that it can go on from here."""
+        tree = {"simulation": simulation.saved(), "directory": self.saved()}
+        write_checkpoint(self.path, self._case_toml, tree)
+        self._last_checkpoint = clock.monotonic()
 
     def __enter__(self) -> "RunDirectory":
         return self
@@ -117,6 +183,12 @@ class RunDirectory:
         if count > self._rows:
             self._record_particles(simulation)
         self._rows = count
+        self._record_snapshot(simulation)
+        due = simulation.case.output.checkpoint_every
+        if due and clock.monotonic() - self._last_checkpoint >= due:
+            self.checkpoint(simulation)
+
+    def _record_snapshot(self, simulation: Any) -> None:
         every = simulation.case.output.fields_every
         if every is None:
             return
@@ -133,6 +205,7 @@ class RunDirectory:
         self._record_fields(simulation)
         self._record_lines(simulation)
         self._record_plane(simulation)
+        structure.write_pairs(self.path / structure.TABLE, simulation)
         case = simulation.case
         summary = {
             "title": case.title,
@@ -201,73 +274,14 @@ class RunDirectory:
         if self._trajectory is not None:
             self._trajectory.close()
             self._trajectory = None
-
-
-@dataclass(frozen=True, eq=False)
-class RunRecord:
-    """A run directory read back; whatever a broken-off run did not write is empty."""
-
-    path: Path
-    case_toml: str
-    case: dict[str, Any]
-    run: dict[str, Any] = field(default_factory=dict)
-    summary: dict[str, Any] = field(default_factory=dict)
-    history: dict[str, np.ndarray] = field(default_factory=dict)
-    """Column name to values."""
-    particles: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
-    """Particle name to columns."""
-    lines: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
-    """Line name to coordinates and velocity component."""
-    wall_shear: tuple[np.ndarray, np.ndarray] | None = None
-    plane: dict[str, np.ndarray] = field(default_factory=dict)
-
-
-def read_run(path: Path | str) -> RunRecord:
-    """Everything in a run directory. CaseError if the directory is not one, or is damaged."""
-    path = Path(path)
-    if not (path / "case.toml").is_file():
-        raise CaseError(f"{path} is not a run directory: it holds no case.toml.")
-    try:
-        return _record(path)
-    except (ValueError, BadZipFile) as error:
-        raise CaseError(f"a file in {path} is damaged: {error}.") from error
-
-
-def _record(path: Path) -> RunRecord:
-    case_toml = (path / "case.toml").read_text(encoding="utf-8")
-    sampled = grouped_by(read_table(path / "lines.csv"), "quantity")
-    velocity = grouped_by(sampled.get("velocity", []), "name")
-    shear = sampled.get("wall_shear", [])
-    plane = {}
-    if (path / "plane.npz").is_file():
-        with np.load(path / "plane.npz") as data:
-            plane = {name: data[name] for name in data.files}
-    return RunRecord(
-        path=path,
-        case_toml=case_toml,
-        case=tomllib.loads(case_toml),
-        run=_read_json(path / "run.json"),
-        summary=_read_json(path / "summary.json"),
-        history=number_columns(read_table(path / "history.csv")),
-        particles={
-            name: number_columns(rows)
-            for name, rows in grouped_by(read_table(path / "particles.csv"), "name").items()
-        },
-        lines={name: _curve(rows) for name, rows in velocity.items()},
-        wall_shear=_curve(shear) if shear else None,
-        plane=plane,
-    )
-
-
-def _curve(rows: list[dict[str, str]]) -> tuple[np.ndarray, np.ndarray]:
-    columns = number_columns(rows)
-    return columns["coordinate"], columns["value"]
+        (self.path / LOCK).unlink(missing_ok=True)
+        self._lock.close()
 
 
 def _status_of(error: BaseException) -> str:
     if isinstance(error, BlowUpError):
         return "blew_up"
-    return "interrupted" if isinstance(error, KeyboardInterrupt) else "failed"
+    return "interrupted" if isinstance(error, KeyboardInterrupt | StoppedError) else "failed"
 
 
 def _machine() -> dict[str, Any]:
@@ -280,6 +294,21 @@ def _machine() -> dict[str, Any]:
     return {"system": platform.platform(), "processor": processor, "cores": os.cpu_count()}
 
 
+def _versions() -> dict[str, str]:
+    return {"python": platform.python_version()} | {name: version(name) for name in LIBRARIES}
+
+
+def lock(path: Path) -> IO:
+    """Hold a directory for this process; CaseError if another run holds it."""
+    handle = (path / LOCK).open("w")
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        handle.close()
+        raise CaseError(f"another run is at work in {path}.") from None
+    return handle
+
+
 def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
@@ -289,7 +318,3 @@ def _write(path: Path, text: str) -> None:
     draft = path.with_name(path.name + ".new")
     draft.write_text(text + "\n", encoding="utf-8")
     draft.replace(path)
-
-
-def _read_json(path: Path) -> dict[str, Any]:
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}

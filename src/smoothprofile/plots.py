@@ -24,8 +24,9 @@ from smoothprofile.motion_plots import (
     pair_picture,
     spin_picture,
 )
-from smoothprofile.output import RunRecord
 from smoothprofile.plane_plots import plane_pictures
+from smoothprofile.structure_plots import structure_pictures
+from smoothprofile.runrecord import RunRecord
 
 # A force this small beside the torque, both in the case's own units, is none.
 ROUND_OFF = 1e-9
@@ -39,6 +40,7 @@ def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> l
     tolerance = record.case.get("time", {}).get("steady_tolerance")
     with drawing():
         drawn = [
+            *structure_pictures(record),
             *plane_pictures(record.plane),
             motion_picture(record.particles, reference),
             pair_picture(record.particles, reference),

@@ -12,8 +12,8 @@ from smoothprofile import cases, webpage
 from smoothprofile.figures import Picture
 from smoothprofile.grid import AXIS_NAMES
 from smoothprofile.motion_numbers import motion_numbers
-from smoothprofile.output import RunRecord, read_run
 from smoothprofile.plots import pictures
+from smoothprofile.runrecord import RunRecord, read_run
 
 MOST_BODIES = 20
 BODY_QUANTITIES = (

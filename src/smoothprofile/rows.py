@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from smoothprofile import sampling, suspension
+from smoothprofile import sampling, structure, suspension, wall_stress
 from smoothprofile.particles.stress import components
 
 if TYPE_CHECKING:
@@ -22,7 +22,19 @@ def history_row(run: "Simulation") -> dict[str, Any]:
         "body_force": run.bodies.state.force.sum(axis=0),
         "driving_force": run.driving_force,
         **suspension.history_row(run),
+        **wall_stress.history_row(run),
         **run.action.history(),
+        **structure.history_row(run),
+    }
+
+
+def totals(run: "Simulation") -> dict[str, Any]:
+    """What a summary says of the whole: the suspension, the stress on sliding walls, the field."""
+    return {
+        **suspension.totals(run),
+        **wall_stress.history_row(run),
+        **run.action.history(),
+        **structure.history_row(run),
     }
 
 

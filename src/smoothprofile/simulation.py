@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from smoothprofile import cuts, sampling, suspension
+from smoothprofile import cuts, sampling
 from smoothprofile.assembly import (
     build_action,
     build_flow,
@@ -30,7 +30,7 @@ from smoothprofile.grid import AXIS_NAMES, interior
 from smoothprofile.pairing import expected_speed, pair
 from smoothprofile.particles.motion import Course
 from smoothprofile.preflight import Check, check_memory, checks, refuse
-from smoothprofile.rows import body_rows, history_row
+from smoothprofile.rows import body_rows, history_row, totals
 from smoothprofile.tables import result_table
 from smoothprofile.threads import ThreadTrial, thread_count
 
@@ -117,6 +117,29 @@ class Simulation:
         self._first_seconds = self._first_seconds or took
         self._threads.end(took)
 
+    def saved(self) -> dict[str, Any]:
+        """Everything that a run goes on from between two steps, and what it has to tell."""
+        return {
+            "flow_state": self.state.saved(),
+            "flow": self.flow.saved(),
+            "bodies": self.bodies.saved(),
+            "action": self.action.saved(),
+            "status": self.status,
+            "wall_seconds": self.wall_seconds,
+            "history": {name: np.array(values) for name, values in self.history.items()},
+            "preliminary": self.preliminary,
+        }
+
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Take back what `saved` gave: the steps that follow are those that would have followed."""
+        self.state.restore(saved["flow_state"])
+        self.flow.restore(saved["flow"])
+        self.bodies.restore(saved["bodies"])
+        self.action.restore(saved["action"])
+        self.status, self.wall_seconds = saved["status"], saved["wall_seconds"]
+        self.history = {name: list(values) for name, values in saved["history"].items()}
+        self.preliminary = saved["preliminary"]
+
     def continue_from(self, other: "Simulation") -> None:
         """Start from the fields of another run over the same box, at this run's own time 0."""
         for c in range(3):
@@ -129,6 +152,7 @@ class Simulation:
         # What interpolation left of divergence must not become pressure in the first step.
         self.flow.projection.make_divergence_free(self.state.velocity)
         self.flow.fill(self.state.velocity, 0.0)
+        set_out(self.flow, self.bodies, self.state)
 
     def _run_preliminary(self, observer: Observer | None) -> None:
         previous = None
@@ -277,7 +301,7 @@ class Simulation:
             ],
             "wall_force": self.wall_force,
             "driving_force": self.driving_force,
-            **suspension.totals(self),
+            **totals(self),
             "mean_velocity": [
                 self.flow.mean_flow.plain_mean(field, c)
                 for c, field in enumerate(self.state.velocity)

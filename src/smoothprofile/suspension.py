@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from smoothprofile import calibration
+from smoothprofile import calibration, wall_stress
 from smoothprofile.assembly import build_flow, build_grid, starting_state
 from smoothprofile.config import Case, body_shape, load_case
 from smoothprofile.distances import SPHERE
@@ -74,28 +74,8 @@ def totals(simulation: Any) -> dict[str, Any]:
     found = history_row(simulation)
     if found:
         found = {"volume_fraction": volume_fraction(simulation)} | found
-    apparent = apparent_viscosity(simulation)
+    apparent = wall_stress.apparent_viscosity(simulation)
     return found if apparent is None else found | {"apparent_viscosity": apparent}
-
-
-def apparent_viscosity(simulation: Any) -> float | None:
-    """μ_app = τ/γ̇, τ the mean of the stresses on both walls, γ̇ = |ΔU|/L of the walls.
-
-    None unless one axis alone has walls, both no-slip, and they slide past each other.
-    """
-    grid, walls = simulation.grid, simulation.flow.parameters.walls
-    walled = [d for d in range(3) if not grid.axes[d].periodic]
-    if len(walled) != 1 or walls.kinds[walled[0]] != ("wall", "wall"):
-        return None
-    (axis,) = walled
-    low, high = walls.velocities(simulation.time)[axis]
-    slide = np.linalg.norm(high - low)
-    if not slide:
-        return None
-    forces, name = simulation.wall_force, AXIS_NAMES[axis]
-    drag = 0.5 * (forces[f"{name}_low"] - forces[f"{name}_high"]) @ (high - low) / slide
-    area = grid.volume / grid.axes[axis].length
-    return float(drag / area / (slide / grid.axes[axis].length))
 
 
 @dataclass(frozen=True, eq=False)

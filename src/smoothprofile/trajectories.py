@@ -84,6 +84,10 @@ class Trajectory:
             self._file.flush()
             self._flushed = clock.monotonic()
 
+    def flush(self) -> None:
+        """Bring all frames to the file."""
+        self._file.flush()
+
     def close(self) -> None:
         self._file.close()
 
@@ -93,6 +97,9 @@ class NoTrajectory:
 
     def append(self, simulation: Any) -> None:
         """Nothing to write."""
+
+    def flush(self) -> None:
+        """Nothing to flush."""
 
     def close(self) -> None:
         """Nothing to close."""

@@ -51,7 +51,11 @@ class WallLine(Table):
 
 
 class Output(Table):
-    """[output]: history every so many steps, fields every so much time, cuts for the report."""
+    """[output]: history every so many steps, fields every so much time, cuts for the report.
+
+    A checkpoint is written every `checkpoint_every` seconds of wall clock, and a run that has gone
+    on for `stop_after` seconds stops with one.
+    """
 
     every: Count = Field(1, description=COUNT)
     fields: Annotated[tuple[FieldName, ...], Field(strict=False)] = Field(
@@ -60,6 +64,8 @@ class Output(Table):
         '"electric_field"',
     )
     fields_every: Positive | None = Field(None, description=POSITIVE)
+    checkpoint_every: Positive = Field(300.0, description=POSITIVE)
+    stop_after: Positive | None = Field(None, description=POSITIVE)
     plane: PlaneCut = Field(PlaneCut(), description='a table such as { axis = "z", at = 0.0 }')
     lines: Annotated[tuple[Line, ...], Field(strict=False)] = Field(
         (), description="a list of tables, each under [[output.lines]]"

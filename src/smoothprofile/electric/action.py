@@ -1,6 +1,7 @@
 """What a field does to moving bodies: their loads, solved anew every so many steps."""
 
 from collections.abc import Callable
+from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,32 @@ class ElectricAction:
             self.lag = float(np.abs(loads.force - self.loads.force).max()) / size
         self.loads = loads
 
+    def saved(self) -> dict:
+        """ψ, which starts the next solve, the loads that may be held, and when to solve again."""
+        loads = self.loads and {
+            item.name: getattr(self.loads, item.name) for item in fields(self.loads)
+        }
+        return {
+            "potential": self.field.solver.potential,
+            "painted": self.field.painted and self.field.painted.saved(),
+            "loads": loads,
+            "report": self.report and asdict(self.report),
+            "drive": asdict(self.field.drive),
+            "lag": self.lag,
+            "since": self._since,
+        }
+
+    def restore(self, saved: dict) -> None:
+        """Take back what `saved` gave."""
+        if saved["painted"] is None:
+            return
+        self.field.solver.potential[...] = saved["potential"]
+        self.loads = saved["loads"] and BodyLoads(**saved["loads"])
+        self.report = saved["report"] and SolveReport(**saved["report"])
+        self.field.drive = Drive(tuple(saved["drive"]["field"]), saved["drive"]["potential"])
+        self.field.paint(BodyState(**saved["painted"]))
+        self.lag, self._since = saved["lag"], saved["since"]
+
     def history(self) -> dict[str, Any]:
         """Numbers of the last solve for a run's history."""
         if self.report is None:
@@ -95,6 +122,13 @@ class NoField:
     def __call__(self, state: BodyState, time: float) -> np.ndarray:
         """Zeros (n,6)."""
         return np.zeros((state.count, 6))
+
+    def saved(self) -> dict:
+        """Nothing."""
+        return {}
+
+    def restore(self, saved: dict) -> None:
+        """Nothing."""
 
     def history(self) -> dict[str, Any]:
         """Nothing."""

@@ -16,7 +16,7 @@ from smoothprofile.electric.permittivity import Permittivity
 from smoothprofile.electric.potential import PotentialSolver
 from smoothprofile.electric.response import effective_permittivity
 from smoothprofile.grid import Grid, interior
-from smoothprofile.particles.bodies import BodyState
+from smoothprofile.particles.bodies import BodyState, bodies_at
 from smoothprofile.sampling import CENTRED, centred_velocity, interpolate
 from smoothprofile.solvers.krylov import SolveReport
 
@@ -40,7 +40,10 @@ class Drive:
 
 
 class ResolvedField:
-    """The field of a painted medium on the staggered grid; the last ψ starts the next solve."""
+    """The field of a painted medium on the staggered grid; the last ψ starts the next solve.
+
+    painted: the bodies as they were when ε was painted last.
+    """
 
     def __init__(
         self,
@@ -53,13 +56,17 @@ class ResolvedField:
         self.grid, self.medium, self.drive = medium.grid, medium, drive
         self.solver = PotentialSolver(medium.grid, electrodes)
         self.tolerance, self.limit = tolerance, limit
-        self._state: BodyState | None = None
+        self.painted: BodyState | None = None
 
     def solve(self, state: BodyState) -> SolveReport:
         """Paint ε where the bodies are and find ψ."""
-        self.medium.paint(state, self.solver.scratch)
-        self._state = state
+        self.paint(state)
         return self.solver.solve(self.medium, self.drive.field, self.tolerance, self.limit)
+
+    def paint(self, state: BodyState) -> None:
+        """ε where the bodies are."""
+        self.medium.paint(state, self.solver.scratch)
+        self.painted = bodies_at(state.position, state.quaternion)
 
     def loads(self, state: BodyState) -> BodyLoads:
         """Force, torque and dipole moment of each body, no net force along periodic axes."""
@@ -82,7 +89,7 @@ class ResolvedField:
     @property
     def indicator(self) -> np.ndarray:
         """φ of all bodies at the cell centres, (nx,ny,nz)."""
-        self.medium.painter.paint(self._state)
+        self.medium.painter.paint(self.painted)
         return self.medium.painter.centred()
 
     @property

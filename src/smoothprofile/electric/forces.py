@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
+from smoothprofile.electric.crowded_spheres import MOST_RIVALS, OF_RIVAL, rivals
 from smoothprofile.electric.layers import STEEPEST, STEP, WORK, bent, distance, normal, stack
 from smoothprofile.electric.layers import slope as profile_slope
-from smoothprofile.electric.lone_spheres import MOST_RIVALS, alone, lone_loads, margin, rivals
+from smoothprofile.electric.lone_spheres import margin, sphere_loads
 from smoothprofile.electric.operator import Geometry, corner_field
 from smoothprofile.electric.permittivity import ARITHMETIC, TENSOR, Permittivity, place
 from smoothprofile.particles.bodies import BodyState
@@ -64,7 +65,7 @@ def body_loads(
         geometry.widths, geometry.distances, geometry.share, sums,
     )  # fmt: skip
     ball, outer = medium.form_arrays[9:]
-    lone_loads(*where, ball, outer, *what)
+    sphere_loads(*where, ball, outer, *what)
     _loads(*where, medium.form_arrays, *what)
     total = np.zeros((state.count, 10))
     np.add.at(total, boxes.task[:, 0], sums)
@@ -82,7 +83,8 @@ def _loads(
     for t in prange(task.shape[0]):
         b, plane = task[t]
         now, spot, total = np.empty(WORK), np.empty(3), sums[t]
-        found, ball = np.empty((MOST_RIVALS, 2)), forms[9][b] > 0.0 and forms[10][b] < np.inf
+        found = np.empty((MOST_RIVALS, OF_RIVAL))
+        ball = forms[9][b] > 0.0 and forms[10][b] < np.inf
         mixture = (meets, position, permittivity, fluid, layer, forms)
         i, p = first[b, 0] + plane, np.empty((2, 3))
         gi = wrap(i, nx) if periodic[0] else i
@@ -92,18 +94,14 @@ def _loads(
             gj = wrap(j, ny) if periodic[1] else j
             for f in range(2):
                 p[f, 1] = place(py, f, j, image[b, 1], lengths[1], periodic[1]) - position[b, 1]
-            others = -1
-            if ball:
-                others = rivals(b, p[1, 0], p[1, 1], pad, meets, position, forms[10], found)
-            if others == 0:
+            reach = (p[1, 0], p[1, 1], pad, meets, position, permittivity, forms[9], forms[10])
+            if ball and rivals(b, *reach, found) >= 0:
                 continue
             for k in range(first[b, 2], first[b, 2] + count[b, 2]):
                 gk = wrap(k, nz) if periodic[2] else k
                 for f in range(2):
                     p[f, 2] = place(pz, f, k, image[b, 2], lengths[2], periodic[2])
                     p[f, 2] -= position[b, 2]
-                if alone(others, found, p[1, 2]):
-                    continue
                 at = (gi, gj, gk)
                 wide = STEEPEST * (abs(d[0][gi]) + abs(d[1][gj]) + abs(d[2][gk]))
                 near = distance(b, p[1, 0], p[1, 1], p[1, 2], forms)

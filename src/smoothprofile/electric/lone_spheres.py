@@ -1,12 +1,13 @@
-"""Loads at points that the layer of one sphere alone reaches, in closed form.
+"""Loads at points that the layers of spheres alone reach, in closed form.
 
-With n = r/|r|, Δ = ε_b − ε_fluid, Δ' = 1/ε_b − 1/ε_fluid and no other body near,
+Of most points of a suspension, the layer of one: with n = r/|r|, Δ = ε_b − ε_fluid,
+Δ' = 1/ε_b − 1/ε_fluid and no other body near,
 
     faces    f = −½V E² (−Δ'/H²) φ′ n           (Δ for the arithmetic ε)
     corners  f = −½V |t|²(Δ + Δ'/H²) φ′ n + V (ε_a − ε_h) (n·Ē) t/|r|,   t = Ē − (n·Ē)n
 
-which is what `forces` finds there by sums over bodies and by differences, and what most points of
-a suspension are: this takes a twentieth of the time. Each point's torque is zero.
+which is what `forces` finds there by sums over bodies and by differences; this takes a twentieth of
+the time. Others are in `crowded_spheres`. Each point's torque is zero.
 """
 
 import math
@@ -14,48 +15,19 @@ import math
 import numpy as np
 from numba import njit, prange
 
+from smoothprofile.electric.crowded_spheres import (
+    MOST_RIVALS,
+    OF_RIVAL,
+    crowded_corner,
+    crowded_face,
+    near_rivals,
+    rivals,
+)
 from smoothprofile.electric.layers import level
 from smoothprofile.electric.layers import slope as profile_slope
 from smoothprofile.electric.operator import corner_field
 from smoothprofile.electric.permittivity import ARITHMETIC, TENSOR, place
 from smoothprofile.particles.paint import wrap
-
-MOST_RIVALS = 64
-"""Bodies that may reach one row of points beside its own; with more, none is taken for alone."""
-
-
-@njit
-def rivals(b, x, y, pad, meets, position, outer, found):
-    """How many other bodies may reach a row of points along z at (x, y) from b; −1 if too many."""
-    start, others, shift = meets
-    count = 0
-    for m in range(start[b], start[b + 1]):
-        o = others[m]
-        if o == b and shift[m, 0] == 0.0 and shift[m, 1] == 0.0 and shift[m, 2] == 0.0:
-            continue
-        dx = x + position[b, 0] - position[o, 0] - shift[m, 0]
-        dy = y + position[b, 1] - position[o, 1] - shift[m, 1]
-        square = (outer[o] + pad) ** 2 - dx * dx - dy * dy
-        if square < 0.0:
-            continue
-        if count == MOST_RIVALS:
-            return -1
-        # Along z it reaches that far on both sides of its own height.
-        found[count, 0] = position[o, 2] + shift[m, 2] - position[b, 2]
-        found[count, 1] = math.sqrt(square)
-        count += 1
-    return count
-
-
-@njit(inline="always")
-def alone(count, found, z):
-    """Whether no rival reaches the point at height z of its row."""
-    if count < 0:
-        return False
-    clear = True
-    for m in range(count):
-        clear = clear and abs(z - found[m, 0]) > found[m, 1]
-    return clear
 
 
 @njit(inline="always")
@@ -71,7 +43,7 @@ def margin(points):
 
 
 @njit(parallel=True, cache=True, error_model="numpy")
-def lone_loads(
+def sphere_loads(
     task, first, count, image, meets, points, lengths, periodic, position, permittivity, fluid,
     layer, ball, outer, mode, faces, layers, psi, e0, w, d, share, sums,
 ):  # fmt: skip
@@ -83,7 +55,8 @@ def lone_loads(
         b, plane = task[t]
         if not (ball[b] > 0.0 and outer[b] < math.inf):
             continue
-        found, p, total = np.empty((MOST_RIVALS, 2)), np.empty((2, 3)), sums[t]
+        found, near = np.empty((MOST_RIVALS, OF_RIVAL)), np.empty(MOST_RIVALS, np.int64)
+        p, total = np.empty((2, 3)), sums[t]
         law = (layer[0], layer[1], layer[2], ball[b], permittivity[b], fluid, mode)
         i = first[b, 0] + plane
         gi = wrap(i, nx) if periodic[0] else i
@@ -96,7 +69,11 @@ def lone_loads(
             across = p[1, 0] ** 2 + p[1, 1] ** 2
             if across > (outer[b] + pad) ** 2:
                 continue
-            others = rivals(b, p[1, 0], p[1, 1], pad, meets, position, outer, found)
+            others = rivals(
+                b, p[1, 0], p[1, 1], pad, meets, position, permittivity, ball, outer, found
+            )
+            if others < 0:
+                continue
             for k in range(first[b, 2], first[b, 2] + count[b, 2]):
                 gk = wrap(k, nz) if periodic[2] else k
                 for f in range(2):
@@ -104,33 +81,48 @@ def lone_loads(
                     p[f, 2] -= position[b, 2]
                 if across + p[1, 2] ** 2 > (outer[b] + pad) ** 2:
                     continue
-                if not alone(others, found, p[1, 2]):
-                    continue
+                n = near_rivals(others, found, p[1, 2], near)
                 ends = (gi > nx, gj > ny, gk > nz)
                 if not (ends[1] or ends[2]):
                     field = e0[0] - (psi[gi, gj, gk] - psi[gi - 1, gj, gk]) / d[0][gi]
                     volume = share[0][gi] * w[1][gj] * w[2][gk]
                     value = faces[0][gi, gj, gk]
-                    _face(0, p[1, 0], p[0, 1], p[0, 2], field, volume, value, law, total)
+                    at = (p[1, 0], p[0, 1], p[0, 2])
+                    _face(0, at, field, volume, value, law, found, near, n, total)
                 if not (ends[0] or ends[2]):
                     field = e0[1] - (psi[gi, gj, gk] - psi[gi, gj - 1, gk]) / d[1][gj]
                     volume = w[0][gi] * share[1][gj] * w[2][gk]
                     value = faces[1][gi, gj, gk]
-                    _face(1, p[0, 0], p[1, 1], p[0, 2], field, volume, value, law, total)
+                    at = (p[0, 0], p[1, 1], p[0, 2])
+                    _face(1, at, field, volume, value, law, found, near, n, total)
                 if not (ends[0] or ends[1]):
                     field = e0[2] - (psi[gi, gj, gk] - psi[gi, gj, gk - 1]) / d[2][gk]
                     volume = w[0][gi] * w[1][gj] * share[2][gk]
                     value = faces[2][gi, gj, gk]
-                    _face(2, p[0, 0], p[0, 1], p[1, 2], field, volume, value, law, total)
+                    at = (p[0, 0], p[0, 1], p[1, 2])
+                    _face(2, at, field, volume, value, law, found, near, n, total)
                 q = (layers[0][gi, gj, gk], layers[1][gi, gj, gk], layers[2][gi, gj, gk])
                 if mode == TENSOR and (q[0] != 0.0 or q[1] != 0.0 or q[2] != 0.0):
                     e = corner_field(psi, e0, d, gi, gj, gk)
                     volume = share[0][gi] * share[1][gj] * share[2][gk]
-                    _corner(p[1, 0], p[1, 1], p[1, 2], e, q, volume, law, total)
+                    at = (p[1, 0], p[1, 1], p[1, 2])
+                    if n == 0:
+                        _lone_corner(at, e, q, volume, law, total)
+                    else:
+                        crowded_corner(at, e, q, volume, law, found, near, n, total)
 
 
 @njit(inline="always")
-def _face(c, x, y, z, field, volume, value, law, total):
+def _face(c, at, field, volume, value, law, found, near, n, total):
+    if n == 0:
+        _lone_face(c, at, field, volume, value, law, total)
+    else:
+        crowded_face(c, at, field, volume, value, law, found, near, n, total)
+
+
+@njit(inline="always")
+def _lone_face(c, at, field, volume, value, law, total):
+    x, y, z = at
     code, xi, half_width, radius, inside, fluid, mode = law
     r = math.sqrt(x * x + y * y + z * z)
     s = (r - radius) / xi
@@ -145,7 +137,8 @@ def _face(c, x, y, z, field, volume, value, law, total):
 
 
 @njit(inline="always")
-def _corner(x, y, z, e, q, volume, law, total):
+def _lone_corner(at, e, q, volume, law, total):
+    x, y, z = at
     code, xi, half_width, radius, inside, fluid, _ = law
     r = math.sqrt(x * x + y * y + z * z)
     s = (r - radius) / xi

@@ -143,6 +143,21 @@ class Flow:
         pressures = pressure_forces(self.grid, state.pressure, density)
         return {name: self._wall_viscous.get(name, 0.0) + f for name, f in pressures.items()}
 
+    def saved(self) -> dict:
+        """What the last step left besides the state: for reports and stop rules, not for steps."""
+        return {
+            "speed": self.extremes.speed,
+            "change": self.extremes.change,
+            "mean_force": self.mean_flow.force,
+            "wall_viscous": self._wall_viscous,
+        }
+
+    def restore(self, saved: dict) -> None:
+        """Take back what `saved` gave."""
+        self.extremes = Extremes(tuple(saved["speed"]), tuple(saved["change"]))
+        self.mean_flow.force[:] = saved["mean_force"]
+        self._wall_viscous = saved["wall_viscous"]
+
     def _solve(
         self,
         state: FlowState,

@@ -1,6 +1,6 @@
 """What a flow is at one instant: everything that the next step reads."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
@@ -26,6 +26,20 @@ class FlowState:
     @property
     def known_levels(self) -> int:
         return 1 + len(self.past_velocity)
+
+    def saved(self) -> dict:
+        """Everything, for a checkpoint."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    def restore(self, saved: dict) -> None:
+        """Take back what `saved` gave, into the arrays that are there."""
+        for own, old in zip(
+            (*self.velocity, self.pressure), (*saved["velocity"], saved["pressure"]), strict=True
+        ):
+            own[...] = old
+        self.time, self.steps = saved["time"], saved["steps"]
+        self.past_velocity = [tuple(level) for level in saved["past_velocity"]]
+        self.past_advection = [tuple(level) for level in saved["past_advection"]]
 
 
 def zero_velocity(grid: Grid) -> Velocity:

@@ -5,7 +5,7 @@ part_start[b] … part_start[b+1].
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -34,6 +34,15 @@ class BodyState:
     def rotation(self) -> np.ndarray:
         """(n,3,3), from the body's axes to the box's."""
         return rotations.matrix(self.quaternion)
+
+    def saved(self) -> dict:
+        """Everything, for a checkpoint."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    def restore(self, saved: dict) -> None:
+        """Take back what `saved` gave, into the arrays that are there."""
+        for name, values in saved.items():
+            getattr(self, name)[...] = values
 
 
 def bodies_at(positions, quaternions) -> BodyState:

@@ -146,6 +146,25 @@ class FreeMotion:
             change -= weight * old
         return change
 
+    def saved(self) -> dict:
+        """What the next step reads besides the bodies' state, for a checkpoint."""
+        history = self.contact_history
+        return {
+            "past_spin": self.past_spin,
+            "past_late": self.past_late,
+            "velocity_gain": history.velocity_gain,
+            "spin_gain": history.spin_gain,
+            "contact_impulses": self.contact_impulses,
+            "pulls": self.pulls,
+        }
+
+    def restore(self, saved: dict) -> None:
+        """Take back what `saved` gave."""
+        self.past_spin, self.past_late = list(saved["past_spin"]), list(saved["past_late"])
+        self.contact_history = ContactHistory(saved["velocity_gain"], saved["spin_gain"])
+        self.contact_impulses = list(saved["contact_impulses"])
+        self.pulls = list(saved["pulls"])
+
     def learn(self, matrix: np.ndarray) -> None:
         """How much the impulse of a step can hold, from the matrix as in `solve`; once, at rest.
 

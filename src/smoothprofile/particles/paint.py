@@ -59,7 +59,8 @@ class Painter:
         ):
             return
         rotation = state.rotation
-        half, balls = self.half_sides(rotation), self._balls(rotation)
+        balls = self._balls(rotation)
+        half = np.minimum(self.half_sides(rotation), np.abs(balls[:, :3]) + balls[:, 3:])
         w = windows_around(self.grid, self._boundaries, state.position, half, balls)
         if self.indicator.size < w.points:
             self.indicator = np.empty(w.points, self.grid.dtype)
@@ -71,6 +72,7 @@ class Painter:
             self._parts,
             self.forms.samples,
             rotation,
+            balls,
             self.profile.code,
             self.thickness,
             self.profile.half_width,

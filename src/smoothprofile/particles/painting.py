@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from smoothprofile.distances import CAPSULE, ELLIPSOID, MESH, SPHERE, curvature, signed_distance
+from smoothprofile.distances import CAPSULE, ELLIPSOID, MESH, curvature, signed_distance
 from smoothprofile.particles.windows import plane_of
 from smoothprofile.profiles import QUARTIC, QUARTIC_CENTRED, SINE, TANH, indicator
 from smoothprofile.surfaces import sampled_distance
@@ -30,16 +30,19 @@ class Parts(NamedTuple):
 
 
 @njit(parallel=True, cache=True, error_model="numpy")
-def fill(phi, sums, w, parts, samples, rotation, code, xi, half_width):
-    """φ of every task, and into sums (t,10) ∫φ, ∫φ(x, y, z), ∫φ(xx, xy, xz, yy, yz, zz)."""
+def fill(phi, sums, w, parts, samples, rotation, ball, code, xi, half_width):
+    """φ of every task, and into sums (t,10) ∫φ, ∫φ(x, y, z), ∫φ(xx, xy, xz, yy, yz, zz).
+
+    ball (n,4): as in `windows_around`.
+    """
     for g in prange(w.group.size - 1):
         scratch = np.empty(w.most)
         begin, end = w.group[g], w.group[g + 1]
         for t in range(begin, end):
             b = w.task[t, 0]
-            line, first = phi[w.start[t] : w.start[t + 1]], parts.start[b]
-            if parts.start[b + 1] == first + 1 and parts.kind[first] == SPHERE:
-                _ball_distances(scratch, w, t, parts, rotation[b], 1.0 / xi)
+            line = phi[w.start[t] : w.start[t + 1]]
+            if ball[b, 3] < np.inf:
+                _ball_distances(scratch, w, t, parts, ball[b], 1.0 / xi)
                 _indicators(line, scratch, code, half_width)
             else:
                 _distances(scratch, w, t, parts, samples, rotation[b], xi, half_width)
@@ -77,11 +80,10 @@ def _distances(s, w, t, parts, samples, r, xi, half_width):
 
 
 @njit(inline="always")
-def _ball_distances(s, w, t, parts, r, sharpness):
+def _ball_distances(s, w, t, parts, centre, sharpness):
     """The same of a sphere: only the distance from its centre counts, the body is not turned."""
     b, c, i = w.task[t]
     part = parts.start[b]
-    centre = r @ parts.place[part]
     x, at = w.arm[w.axis[b, c, 0] + i] - centre[0], np.uint64(0)
     for m in range(w.run[t], w.run[t + 1]):
         across, z = x * x + (w.arm[w.y[m]] - centre[1]) ** 2, w.z[m]

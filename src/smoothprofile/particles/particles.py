@@ -96,6 +96,21 @@ class Particles:
             load[:] = self.density * (needed - rate * gain)
         self._rate, self._change = rate, change
 
+    def saved(self) -> dict:
+        """Everything that the next step reads, for a checkpoint taken between steps."""
+        return {
+            "state": self.state.saved(),
+            "past_velocity": self.past_velocity,
+            "free": self.free.saved(),
+        }
+
+    def restore(self, saved: dict) -> None:
+        """Take back what `saved` gave, and paint the bodies there."""
+        self.state.restore(saved["state"])
+        self.past_velocity = [tuple(level) for level in saved["past_velocity"]]
+        self.free.restore(saved["free"])
+        self.paint()
+
     def stresslets(self) -> np.ndarray:
         """(n,3,3) of the step just taken; zero before the first."""
         if self._change is None:
