@@ -11,7 +11,8 @@ import xarray
 from vtk.util.numpy_support import vtk_to_numpy
 
 from smoothprofile.errors import CaseError
-from smoothprofile.fields import CHUNK_BYTES, FieldsFile, _chunk
+from smoothprofile.fieldlayout import CHUNK_BYTES, _chunk
+from smoothprofile.fields import FieldsFile
 from smoothprofile.grid import Axis, Grid
 
 TIMES = (0.0, 0.25, 1.5)

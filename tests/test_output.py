@@ -60,6 +60,7 @@ class FakeSimulation:
             output["wall_line"] = SimpleNamespace(**output["wall_line"])
         self.case = SimpleNamespace(
             title=data["title"],
+            electric=None,
             reference=data.get("reference"),
             domain=SimpleNamespace(**data["domain"]),
             output=SimpleNamespace(**output),

@@ -41,10 +41,10 @@ def test_chains_across_a_periodic_side_are_whole():
 
 
 def test_bonds_end_at_their_share_of_the_mean_radius():
-    rows, apart = bonds(beads([(1, 1, 1), (1, 1, 4.19)], radius=[1.0, 2.0]))
-    assert rows.tolist() == [[0, 1]] and apart == pytest.approx(np.array([[0, 0, 3.19]]))
-    # η(a₁+a₂)/2 = .3 here: a gap of .31 is no bond, though less than .2 of the larger diameter.
-    assert len(bonds(beads([(1, 1, 1), (1, 1, 4.31)], radius=[1.0, 2.0]))[0]) == 0
+    rows, apart = bonds(beads([(1, 1, 1), (1, 1, 4.44)], radius=[1.0, 2.0]))
+    assert rows.tolist() == [[0, 1]] and apart == pytest.approx(np.array([[0, 0, 3.44]]))
+    # η(a₁+a₂)/2 = .45 here: a gap of .46 is no bond, though less than η times the larger radius.
+    assert len(bonds(beads([(1, 1, 1), (1, 1, 4.46)], radius=[1.0, 2.0]))[0]) == 0
 
 
 def test_a_ring_is_one_chain_and_no_bonds_are_none():

@@ -101,10 +101,8 @@ def test_the_parts_scale_as_what_makes_them():
 
 
 def test_nothing_is_said_without_sliding_walls():
-    run = sheared()
-    still = run.case.model_copy(
-        update={"fluid": run.case.fluid.model_copy(update={"wall_velocity": type(run.case.fluid.wall_velocity)()})}
-    )  # fmt: skip
-    quiet = sp.Simulation(still)
+    case = sheared().case
+    fluid = case.fluid.model_copy(update={"wall_velocity": type(case.fluid.wall_velocity)()})
+    quiet = sp.Simulation(case.model_copy(update={"fluid": fluid}))
     quiet.step_once()
     assert "wall_stress" not in quiet.history and "apparent_viscosity" not in quiet.summary()

@@ -3,15 +3,15 @@
     DIR/checkpoint.h5             the newest
     DIR/checkpoint-previous.h5    the one before it
 
-A checkpoint is written beside, flushed to disk, read back and compared by its SHA-256, and only
-then renamed; the directory is flushed too. Whatever happens in between, one whole file remains.
-The tree is JSON, whose numbers are exact, with each array named by its number in the file.
+The file is HDF5, and after its end stands the SHA-256 of all bytes before, which is compared before
+anything else is read. A checkpoint is written beside, flushed to disk, read back and compared, and
+only then renamed; whatever happens in between, one whole file remains. The tree is JSON, whose
+numbers are exact, with each array named by its number in the file.
 """
 
 import hashlib
 import json
-import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -19,81 +19,131 @@ from typing import Any
 import h5py
 import numpy as np
 
-from smoothprofile.errors import CaseError
+from smoothprofile.errors import CaseError, OutputError
+from smoothprofile.safefiles import DiskFile, hdf5_on, reason, replacing
 
-FORMAT = 1
+FORMAT = 2
 NEWEST, PREVIOUS = "checkpoint.h5", "checkpoint-previous.h5"
 ARRAY = "array number"
+SEAL = b"SHA-256 of all before: "
+SEAL_BYTES = len(SEAL) + hashlib.sha256().digest_size
+BLOCK = 1 << 22
 
 
 def write_checkpoint(directory: Path, case_toml: str, tree: Mapping[str, Any]) -> None:
     """Make `tree` the newest checkpoint of a run directory; the newest becomes the previous one.
 
-    OSError if it could not be written or was not read back as it was; the old ones then stand.
+    OutputError if it could not be written or was not read back as it was; the old ones then stand.
     """
-    draft, newest = directory / (NEWEST + ".new"), directory / NEWEST
-    _write(draft, case_toml, tree)
-    _flush(draft)
-    try:
-        _read(draft, case_toml)
-    except CaseError as error:
-        raise OSError(f"the checkpoint was not written as it should be: {error}") from error
-    if newest.exists():
-        os.replace(newest, directory / PREVIOUS)
-    os.replace(draft, newest)
-    _flush(directory)
+    arrays: list[np.ndarray] = []
+    text = json.dumps(_packed(tree, arrays))
+    newest = directory / NEWEST
+    with replacing(newest, keep=directory / PREVIOUS) as disk:
+        with hdf5_on(disk) as file:
+            file.attrs["format"] = FORMAT
+            file.attrs["smoothprofile"] = version("smoothprofile")
+            file.attrs["case"] = _digest_of_text(case_toml)
+            file.create_dataset("tree", data=np.frombuffer(text.encode(), dtype=np.uint8))
+            for number, values in enumerate(arrays):
+                file.create_dataset(f"arrays/{number}", data=values)
+        disk.flush_to_disk()
+        if not _same(disk, text, arrays):
+            raise OutputError(f"{newest} cannot be written: it is not read back as it was.")
+        size = disk.seek(0, 2)
+        disk.write(SEAL + _digest(disk, size))
 
 
-def read_checkpoint(directory: Path, case_toml: str) -> dict[str, Any]:
+def has_checkpoint(directory: Path) -> bool:
+    """Whether there is one, whole or not."""
+    return any((directory / name).exists() for name in (NEWEST, PREVIOUS))
+
+
+def read_checkpoint(
+    directory: Path, case_toml: str, tell: Callable[[str], None] = lambda sentence: None
+) -> dict[str, Any]:
     """The newest whole checkpoint of that case, the previous one if the newest is damaged.
 
+    tell: takes a sentence if it is the previous one, or one of another version of the program.
     CaseError if there is none, naming what is wrong with each that there is.
     """
-    wrong = []
+    wrong: list[str] = []
     for name in (NEWEST, PREVIOUS):
-        path = directory / name
-        if not path.exists():
+        if not (directory / name).exists():
             continue
         try:
-            return _read(path, case_toml)
+            tree, written_by = _read(directory / name, case_toml)
         except CaseError as error:
             wrong.append(str(error).rstrip("."))
+            continue
+        if wrong:
+            tell(f"{'; '.join(wrong)}. The older {directory / name} is whole, and is used.")
+        if written_by != version("smoothprofile"):
+            tell(f"{directory / name} was written by version {written_by}: bits may differ.")
+        return tree
     if not wrong:
         raise CaseError(f"{directory} holds no checkpoint to go on from.")
     raise CaseError(f"{'; '.join(wrong)}.")
 
 
-def _write(path: Path, case_toml: str, tree: Mapping[str, Any]) -> None:
-    arrays: list[np.ndarray] = []
-    text = json.dumps(_packed(tree, arrays))
-    with h5py.File(path, "w", locking=False) as file:
-        file.attrs["format"] = FORMAT
-        file.attrs["smoothprofile"] = version("smoothprofile")
-        file.attrs["case"] = _digest_of_text(case_toml)
-        file.create_dataset("tree", data=np.frombuffer(text.encode(), dtype=np.uint8))
-        for number, values in enumerate(arrays):
-            file.create_dataset(f"arrays/{number}", data=values)
-        file.attrs["sha256"] = _digest(text, arrays)
+def _same(disk: DiskFile, text: str, arrays: list[np.ndarray]) -> bool:
+    """Whether the file holds just that."""
+    with h5py.File(disk, "r") as file:
+        if bytes(file["tree"][()]).decode() != text:
+            return False
+        return all(
+            file[f"arrays/{number}"][()].tobytes() == values.tobytes()
+            for number, values in enumerate(arrays)
+        )
 
 
-def _read(path: Path, case_toml: str) -> dict[str, Any]:
+def _read(path: Path, case_toml: str) -> tuple[dict[str, Any], str]:
+    """The tree, and the version of the program that wrote it. CaseError if it is not whole."""
     try:
+        _check_seal(path)
         with h5py.File(path, "r", locking=False) as file:
             attributes = dict(file.attrs)
+            if attributes.get("format") != FORMAT:
+                raise CaseError(
+                    f"{path} is of format {attributes.get('format')}; this version reads format "
+                    f"{FORMAT}."
+                )
             text = bytes(file["tree"][()]).decode()
             group = file.get("arrays", {})
             arrays = [group[str(number)][()] for number in range(len(group))]
-    except (OSError, KeyError, ValueError, RuntimeError, TypeError, MemoryError) as error:
-        raise CaseError(f"{path} is no checkpoint, or is damaged.") from error
-    if attributes.get("format") != FORMAT:
-        raise CaseError(
-            f"{path} is of format {attributes.get('format')}; this version reads format {FORMAT}."
-        )
-    if attributes.get("sha256") != _digest(text, arrays):
-        raise CaseError(f"{path} is damaged: its content is not what was written.")
+            tree = _unpacked(json.loads(text), arrays)
+    except OSError as error:
+        raise CaseError(f"{path} cannot be read: {reason(error)}.") from error
+    except (LookupError, RuntimeError, TypeError, UnicodeError, json.JSONDecodeError) as error:
+        raise CaseError(f"{path} is no checkpoint.") from error
     if attributes.get("case") != _digest_of_text(case_toml):
         raise CaseError(f"{path} belongs to another case than case.toml beside it.")
-    return _unpacked(json.loads(text), arrays)
+    return tree, str(attributes.get("smoothprofile"))
+
+
+def _check_seal(path: Path) -> None:
+    with path.open("rb", buffering=0) as file:
+        size = file.seek(0, 2) - SEAL_BYTES
+        if size <= 0:
+            raise CaseError(f"{path} is no checkpoint, or is damaged: it is too short.")
+        file.seek(size)
+        seal = file.read(SEAL_BYTES)
+        if not seal.startswith(SEAL):
+            raise CaseError(f"{path} is no checkpoint, or is damaged: its end is missing.")
+        if seal != SEAL + _digest(file, size):
+            raise CaseError(f"{path} is damaged: its content is not what was written.")
+
+
+def _digest(file: Any, size: int) -> bytes:
+    """SHA-256 of the first bytes; leaves the file after them."""
+    total, left = hashlib.sha256(), size
+    file.seek(0)
+    while left:
+        block = file.read(min(left, BLOCK))
+        if not block:
+            raise OSError("the file ends too early")
+        total.update(block)
+        left -= len(block)
+    return total.digest()
 
 
 def _packed(value: Any, arrays: list[np.ndarray]) -> Any:
@@ -120,22 +170,5 @@ def _unpacked(value: Any, arrays: list[np.ndarray]) -> Any:
     return value
 
 
-def _digest(text: str, arrays: list[np.ndarray]) -> str:
-    total = hashlib.sha256(text.encode())
-    for values in arrays:
-        total.update(f"{values.dtype.str} {values.shape}".encode())
-        total.update(np.ascontiguousarray(values).data)
-    return total.hexdigest()
-
-
 def _digest_of_text(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _flush(path: Path) -> None:
-    """Have the system put a file, or a directory's names, on the disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

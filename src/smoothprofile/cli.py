@@ -111,16 +111,17 @@ def check(
     """Say what a case amounts to, before hours are spent on it."""
     with exit_codes(json):
         from smoothprofile.config import load_case
+        from smoothprofile.numbers import number_rows, numbers_of
         from smoothprofile.runs import run_of
 
         check_free(out)
         loaded = load_case(case, set_ or [])
         _use(threads)
-        simulation = run_of(loaded)
-        rows = simulation.preflight()
-        if answer({"title": simulation.case.title, "checks": rows}, json, out):
+        rows, title = run_of(loaded).preflight(), loaded.title
+        if answer({"title": title, "checks": rows, "numbers": numbers_of(loaded)}, json, out):
             heads = ("check", "value", "limit or best", "verdict", "note")
-            print_table(simulation.case.title, heads, [tuple(row.values()) for row in rows])
+            print_table(title, heads, [tuple(row.values()) for row in rows])
+            print_table("What it amounts to", ("number", "value", ""), number_rows(loaded))
 
 
 @app.command()

@@ -16,7 +16,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from smoothprofile.errors import BlowUpError, CaseError, StoppedError
+from smoothprofile.errors import BlowUpError, CaseError, OutputError, StoppedError
 from smoothprofile.jsontext import to_json
 
 if TYPE_CHECKING:
@@ -88,7 +88,14 @@ def exit_codes(json: bool) -> Iterator[None]:
         yield
     except BrokenPipeError:
         raise
-    except (CaseError, BlowUpError, KeyboardInterrupt, OSError, MemoryError) as error:
+    except (
+        CaseError,
+        BlowUpError,
+        KeyboardInterrupt,
+        OSError,
+        OutputError,
+        MemoryError,
+    ) as error:
         leave(error, json)
 
 
@@ -97,12 +104,14 @@ def leave(
 ) -> NoReturn:
     """Say in one sentence how a command ended, and where the run directory is that it leaves."""
     status, code, message = _ending(error)
-    left = {} if directory is None else {"directory": str(directory), "report": str(report)}
+    left = {} if directory is None else {"directory": str(directory)}
+    if report is not None:
+        left["report"] = str(report)
     if json:
         print_json({"status": status, "error": message, "exit_code": code, **left})
     say(message)
     if left:
-        say("What was computed is in {directory}; open {report}.".format(**left))
+        say(f"What was computed is in {directory}" + (f"; open {report}." if report else "."))
     raise typer.Exit(code)
 
 
@@ -118,6 +127,8 @@ def _ending(error: BaseException) -> tuple[str, int, str]:
         return "refused", BAD_INPUT, "The memory of this machine is too small."
     if isinstance(error, OSError) and error.filename:
         return "refused", BAD_INPUT, f"{error.strerror}: {error.filename}."
+    if isinstance(error, OutputError):
+        return "failed", BAD_INPUT, str(error)
     return "refused", BAD_INPUT, str(error)
 
 

@@ -1,6 +1,7 @@
 """CSV tables that grow row by row, and reading them back as columns."""
 
 import csv
+import io
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,40 +9,60 @@ from typing import Any
 
 import numpy as np
 
+from smoothprofile.errors import CaseError
 from smoothprofile.jsontext import plain
+from smoothprofile.safefiles import writing
 
 SUFFIXES = {3: "xyz", 4: "wxyz", 6: ("xx", "yy", "zz", "yz", "xz", "xy")}
 
 
 class GrowingTable:
-    """A CSV file that grows: the first row names the columns, each row is flushed."""
+    """A CSV file that grows: the first row names the columns, each row is written at once."""
 
     def __init__(self, path: Path, size: int | None = None):
-        """A new file, or one that is there, cut back to `size` bytes, to go on with."""
-        self._file = path.open("x" if size is None else "r+", newline="", encoding="utf-8")
-        self._writer: csv.DictWriter | None = None
-        if size is not None:
-            self._file.truncate(size)
-            self._file.seek(size)
+        """A new file, or one to go on with, cut back to `size` bytes. OutputError if it fails.
+
+        CaseError if there is less to go on with.
+        """
+        self._path, self._columns = path, ()
+        new = os.O_EXCL if size is None else 0
+        with writing(path):
+            self._handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | new, 0o666)
+            if os.fstat(self._handle).st_size < (size or 0):
+                raise CaseError(f"{path} is shorter than the checkpoint says.")
+            os.ftruncate(self._handle, size or 0)
         self._begun = bool(size)
 
     @property
     def size(self) -> int:
         """Bytes that are safely on the disk."""
-        self._file.flush()
-        os.fsync(self._file.fileno())
-        return os.fstat(self._file.fileno()).st_size
+        with writing(self._path):
+            os.fsync(self._handle)
+            return os.fstat(self._handle).st_size
 
     def append(self, row: Mapping[str, Any]) -> None:
-        if self._writer is None:
-            self._writer = csv.DictWriter(self._file, list(row), lineterminator="\n")
-            if not self._begun:
-                self._writer.writeheader()
-        self._writer.writerow(row)
-        self._file.flush()
+        """One row more, or OutputError and none."""
+        text = io.StringIO()
+        writer = csv.DictWriter(text, self._columns or list(row), lineterminator="\n")
+        if not self._columns and not self._begun:
+            writer.writeheader()
+        self._columns = writer.fieldnames
+        writer.writerow(row)
+        with writing(self._path):
+            self._write(text.getvalue().encode("utf-8"))
 
     def close(self) -> None:
-        self._file.close()
+        os.close(self._handle)
+
+    def _write(self, data: bytes) -> None:
+        before, left = os.fstat(self._handle).st_size, memoryview(data)
+        try:
+            while left:
+                left = left[os.write(self._handle, left) :]
+        except OSError:
+            # A row is there whole or not at all.
+            os.ftruncate(self._handle, before)
+            raise
 
 
 def read_table(path: Path) -> list[dict[str, str]]:

@@ -5,7 +5,7 @@ from importlib.metadata import version
 
 import numba
 
-from smoothprofile.output import LIBRARIES
+from smoothprofile.provenance import LIBRARIES
 from smoothprofile.simulation import Simulation
 from smoothprofile.threads import available_threads, thread_count
 

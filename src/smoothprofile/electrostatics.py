@@ -20,6 +20,7 @@ from smoothprofile.electric.enclosing import enclosing_loads
 from smoothprofile.electric.field import ResolvedField, at_points
 from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.field_checks import check_field_memory, field_checks
+from smoothprofile.numbers import numbers_of
 from smoothprofile.preflight import Check, refuse
 from smoothprofile.solvers.krylov import SolveReport
 from smoothprofile.tables import field_table
@@ -156,6 +157,7 @@ class Electrostatics:
         if self._loads is not None and self.case.particles:
             state, force = self.bodies, self._loads.force
             forces = cuts.forces_in_cut(self.grid, state, reach, force, axis, at)
+            forces["permittivity"] = self.case.electric.permittivity
         return {
             **cuts.frame(self.grid, axis, at, self.indicator),
             **cuts.field_cut(self.grid, self.electric_field, self.potential, axis, at),
@@ -181,6 +183,7 @@ class Electrostatics:
             "mean_field": self.case_field,
             "energy": self.energy,
             "bodies": self.particles,
+            "numbers": numbers_of(self.case),
             "resolution": {check["name"]: check["value"] for check in self._checks},
         }
 

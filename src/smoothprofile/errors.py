@@ -17,3 +17,10 @@ class BlowUpError(ArithmeticError):
 
 class StoppedError(Exception):
     """A run that was asked to stop, or whose time was up, after a checkpoint. Exit code 4."""
+
+
+class OutputError(Exception):
+    """A file of a run that cannot be written. Exit code 2.
+
+    Names the file and what the system says is wrong.
+    """

@@ -46,7 +46,8 @@ def _resolution(case: Case, grid: Grid) -> list[Check]:
         rows.append(check_row("a/Δx", cells, FEW_CELLS, verdict, note))
         if xi > 0.8 * smallest:
             allowed = f"{smallest:g}, the smallest radius or half side, takes a layer of .8 of it"
-            note = f"electric.thickness is {xi:g}; {allowed} at most: take smaller cells."
+            given = "" if case.electric.thickness else ", .75 of the widest cell"
+            note = f"electric.thickness is {xi:g}{given}; {allowed} at most: take smaller cells."
             rows.append(check_row("ξ/a", xi / smallest, 0.8, "refuse", note))
     verdict = "ok" if xi >= 0.5 * cell else "warn"
     note = f"the {case.electric.profile} layer of permittivity; .75 is the default"

@@ -1,87 +1,109 @@
-"""Snapshots of fields in one HDF5 file that both ParaView (VTKHDF) and xarray read.
+"""Snapshots of fields for ParaView and xarray (see fieldlayout.py), readable at every instant.
 
-The group `VTKHDF` is what VTK reads: cell data of an ImageData where all axes are uniform
-(VTK 9.3, ParaView 5.12 or later), of a RectilinearGrid where one is stretched (VTK 9.7,
-ParaView 6.2 or later). The root of the file is what xarray, netCDF4 or h5py read: the same
-arrays under a second name, with the dimensions time, z, y, x and their coordinates (cell
-centres). Nothing is stored twice: a hard link gives an HDF5 dataset a second name.
+    DIR/fields.h5                    all snapshots; while there is one only, the snapshot itself
+    DIR/fields/000007-000007.h5      one snapshot, from the second on, which can be read alone too
+    DIR/fields/000000-000063.h5      64 of them, put together
 
-Format: VTKHDF specification, https://docs.vtk.org/en/latest/vtk_file_formats.
+With several snapshots fields.h5 is a table of contents: virtual datasets that read from the files
+in the folder, to be copied together with it. Each file is written beside its place, flushed and
+renamed; none is touched again. What a virtual dataset finds missing reads as NaN.
 """
 
+import os
+import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import h5py
 import numpy as np
 
 from smoothprofile.errors import CaseError
-from smoothprofile.grid import AXIS_NAMES, Grid
+from smoothprofile.fieldlayout import create_field, describe, write_coordinates
+from smoothprofile.grid import Grid
+from smoothprofile.safefiles import flush_directory, replacing_hdf5, writing
 
-COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-CHUNK_BYTES = 1 << 20
+TOGETHER = 64
+"""Snapshots that one file takes in the end: readers may hold no more than some hundred open."""
 
-DESCRIPTIONS = {
-    "velocity": "fluid velocity at cell centres",
-    "pressure": "pressure",
-    "indicator": "share of the cell that is particle, 0 to 1",
-    "potential": "electric potential",
-    "electric_field": "electric field at cell centres",
-}
+
+class Part(NamedTuple):
+    """A file with the snapshots first … last."""
+
+    first: int
+    last: int
+    path: Path
+
+    @property
+    def count(self) -> int:
+        return self.last - self.first + 1
 
 
 class FieldsFile:
-    """fields.h5: made at the first snapshot, complete and closed after each one.
-
-    Between snapshots no process holds the file, so it can be opened, copied or plotted while
-    the run goes on. A run that is killed while it writes one may leave the file unreadable.
-    """
+    """fields.h5 and its folder: whole after each snapshot and at every instant between."""
 
     def __init__(self, path: Path | str, grid: Grid, *, precision: str = "single"):
         self.path = Path(path)
+        self.folder = self.path.with_suffix("")
         self.grid = grid
         self.dtype = np.dtype({"single": "<f4", "double": "<f8"}[precision])
         self.times: list[float] = []
         self.names: tuple[str, ...] = ()
+        self._parts: list[Part] = []
 
     def cut_back(self, times: Sequence[float], names: Sequence[str]) -> None:
-        """Take the file that is there for one's own, with the first snapshots alone.
+        """Take the files that are there for one's own, with the first snapshots alone.
 
-        CaseError if it holds fewer, or cannot be read.
+        CaseError if they hold fewer, or cannot be read.
         """
+        self.times, self.names = list(times), tuple(names)
+        count = len(self.times)
         try:
-            with h5py.File(self.path, "r+", locking=False) as file:
-                if file["time"].shape[0] < len(times):
-                    raise CaseError(f"{self.path} holds fewer snapshots than the checkpoint says.")
-                for name in ("time", *names):
-                    file[name].resize(len(times), axis=0)
-                self.names, self.times = tuple(names), list(times)
-                if times:
-                    _describe_for_vtk(file, self.grid, self.names)
+            self._parts = self._whole_parts(count)
+            if count == 1 and not self._parts:
+                with h5py.File(self.path, "r", locking=False) as file:
+                    stored = file["time"][:].tolist()
+                if stored != self.times:
+                    raise CaseError(f"{self.path} holds other snapshots than the checkpoint says.")
+                return
         except (OSError, KeyError) as error:
             raise CaseError(f"{self.path} cannot be gone on with: it is damaged.") from error
+        if sum(part.count for part in self._parts) != count:
+            raise CaseError(f"{self.folder} holds fewer snapshots than the checkpoint says.")
+        if count == 1:
+            _link(self._parts[0].path, self.path)
+        elif count:
+            self._write_contents()
+        else:
+            self.path.unlink(missing_ok=True)
 
     def append(self, time: float, fields: Mapping[str, np.ndarray]) -> None:
         """Add one snapshot of every field: scalars (nx, ny, nz), vectors (3, nx, ny, nz).
 
-        The first call fixes which fields the file holds. CaseError if the file was there
-        before it; ValueError if a later call brings other fields or another shape.
+        The first call fixes which fields there are. CaseError if the file was there before it;
+        ValueError if a later call brings other fields or another shape; OutputError if it cannot
+        be written.
         """
         arrays = {name: self._file_order(name, values) for name, values in fields.items()}
         if not self.names:
-            self._create(arrays)
+            if self.path.exists():
+                raise CaseError(f"{self.path} exists already and is not overwritten.")
+            self.names = tuple(arrays)
         if set(arrays) != set(self.names):
             raise ValueError(f"{self.path} holds {self.names}, not {tuple(arrays)}")
-        # A viewer that has the file open must not be able to stop the run: no lock is taken.
-        with h5py.File(self.path, "r+", locking=False) as file:
-            step = file["time"].shape[0]
-            file["time"].resize(step + 1, axis=0)
-            file["time"][step] = time
-            for name, values in arrays.items():
-                file[name].resize(step + 1, axis=0)
-                file[name][step] = values
-            _describe_for_vtk(file, self.grid, self.names)
+        number = len(self.times)
+        if number == 0:
+            self._write_snapshot(self.path, time, arrays)
+            self.times.append(float(time))
+            return
+        if number == 1:
+            self._keep_first()
+        part = self._part(number, number)
+        self._write_snapshot(part.path, time, arrays)
+        self._parts.append(part)
         self.times.append(float(time))
+        self._put_together()
+        self._write_contents()
 
     def _file_order(self, name: str, values: np.ndarray) -> np.ndarray:
         """values[(c,) i, j, k] as array[k, j, i(, c)], the order of the file: x runs fastest."""
@@ -90,107 +112,105 @@ class FieldsFile:
             raise ValueError(f"{name} has shape {values.shape} on a grid of {self.grid.shape}")
         return np.ascontiguousarray(values.T, dtype=self.dtype)
 
-    def _create(self, arrays: Mapping[str, np.ndarray]) -> None:
-        try:
-            file = h5py.File(self.path, "x", locking=False)
-        except FileExistsError as error:
-            raise CaseError(f"{self.path} exists already and is not overwritten.") from error
-        with file:
-            _write_coordinates(file, self.grid)
+    def _part(self, first: int, last: int) -> Part:
+        return Part(first, last, self.folder / f"{first:06d}-{last:06d}.h5")
+
+    def _write_snapshot(self, path: Path, time: float, arrays: Mapping[str, np.ndarray]) -> None:
+        with replacing_hdf5(path) as file:
+            write_coordinates(file, self.grid, [time])
             for name, values in arrays.items():
-                _create_field(file, name, values)
-        self.names = tuple(arrays)
+                create_field(file, name, (1, *values.shape), values.dtype)[0] = values
+            describe(file, self.grid, self.names)
+
+    def _keep_first(self) -> None:
+        """Give the first snapshot its place in the folder; fields.h5 is it too, until replaced."""
+        part = self._part(0, 0)
+        if self._parts == [part]:
+            return
+        with writing(self.folder):
+            self.folder.mkdir(exist_ok=True)
+        _link(self.path, part.path)
+        self._parts = [part]
+
+    def _put_together(self) -> None:
+        """One file of every 64 single ones. The single ones go once nothing reads from them."""
+        alone = [part for part in self._parts if part.count == 1]
+        if len(alone) < TOGETHER:
+            return
+        merged = self._joined(alone, self._part(alone[0].first, alone[-1].last))
+        self._parts = [part for part in self._parts if part.count > 1] + [merged]
+        self._write_contents()
+        for part in alone:
+            part.path.unlink(missing_ok=True)
+
+    def _joined(self, parts: Sequence[Part], whole: Part) -> Part:
+        """Write the first snapshots of `parts`, as many as `whole` takes, to its file."""
+        with replacing_hdf5(whole.path) as target:
+            write_coordinates(target, self.grid, self.times[whole.first : whole.last + 1])
+            row = 0
+            for part in parts:
+                with h5py.File(part.path, "r", locking=False) as source:
+                    count = min(part.count, whole.count - row)
+                    for name in self.names:
+                        _copy_rows(source[name], target, name, whole.count, row, count)
+                row += count
+            describe(target, self.grid, self.names)
+        return whole
+
+    def _write_contents(self) -> None:
+        """fields.h5 anew: virtual datasets over all parts."""
+        with h5py.File(self._parts[0].path, "r", locking=False) as file:
+            shapes = {name: file[name].shape[1:] for name in self.names}
+        with replacing_hdf5(self.path) as file:
+            write_coordinates(file, self.grid, self.times)
+            for name, shape in shapes.items():
+                layout = h5py.VirtualLayout((len(self.times), *shape), self.dtype)
+                for part in self._parts:
+                    place = f"{self.folder.name}/{part.path.name}"
+                    source = h5py.VirtualSource(place, name, (part.count, *shape), self.dtype)
+                    layout[part.first : part.last + 1] = source
+                file.create_virtual_dataset(name, layout, fillvalue=np.nan)
+            describe(file, self.grid, self.names)
+
+    def _whole_parts(self, count: int) -> list[Part]:
+        """The files of the first `count` snapshots, cut to that many; the others are removed."""
+        found = [self._part(*map(int, p.stem.split("-"))) for p in self.folder.glob("*-*.h5")]
+        kept: list[Part] = []
+        # Where a file of many and those it was made of are both there, the many come first.
+        for part in sorted(found, key=lambda part: (part.first, -part.last)):
+            following = kept[-1].last + 1 if kept else 0
+            if part.first == following and part.first < count:
+                cut = self._part(part.first, min(part.last, count - 1))
+                kept.append(part if part == cut else self._joined([part], cut))
+        for part in found:
+            if part not in kept:
+                part.path.unlink()
+        return kept
 
 
-def _write_coordinates(file: h5py.File, grid: Grid) -> None:
-    """The coordinates of the dimensions: time, x, y, z of the cell centres, component names."""
-    for axis in grid.axes:
-        file[axis.name] = axis.centres
-        file[axis.name].attrs["long_name"] = f"{axis.name} of the cell centres"
-    file.create_dataset("time", shape=(0,), maxshape=(None,), chunks=(64,), dtype="f8")
-    file.create_dataset("component", data=list(AXIS_NAMES), dtype=h5py.string_dtype())
-    for name in (*AXIS_NAMES, "time", "component"):
-        file[name].make_scale(name)
+def _link(old: Path, new: Path) -> None:
+    """Have `new` be the file `old`, in one go."""
+    draft = new.with_name(new.name + ".new")
+    with writing(new):
+        draft.unlink(missing_ok=True)
+        try:
+            os.link(old, draft)
+        except OSError:
+            # Not every file system has hard links.
+            shutil.copyfile(old, draft)
+        os.replace(draft, new)
+        # Renaming does nothing where both are one file already.
+        draft.unlink(missing_ok=True)
+        flush_directory(new.parent)
 
 
-def _create_field(file: h5py.File, name: str, values: np.ndarray) -> h5py.Dataset:
-    """An empty dataset (time, z, y, x[, component]) that grows in time."""
-    data = file.create_dataset(
-        name,
-        shape=(0, *values.shape),
-        maxshape=(None, *values.shape),
-        chunks=(1, *_chunk(values.shape, values.itemsize)),
-        dtype=values.dtype,
-        **COMPRESSION,
-    )
-    for number, dimension in enumerate(("time", "z", "y", "x", "component")[: data.ndim]):
-        data.dims[number].attach_scale(file[dimension])
-    data.attrs["long_name"] = DESCRIPTIONS.get(name, name)
-    return data
-
-
-def _chunk(shape: tuple[int, ...], itemsize: int) -> tuple[int, ...]:
-    """Halve z, then y, until a chunk is no larger than CHUNK_BYTES; rows stay whole."""
-    chunk = list(shape)
-    for number in (0, 1):
-        while chunk[number] > 1 and np.prod(chunk) * itemsize > CHUNK_BYTES:
-            chunk[number] = -(-chunk[number] // 2)
-    return tuple(chunk)
-
-
-def _describe_for_vtk(file: h5py.File, grid: Grid, names: tuple[str, ...]) -> None:
-    """Write the group VTKHDF anew from the root of the file.
-
-    VTK takes a file of one time step for one without time, whose arrays lack that dimension:
-    it is given a virtual dataset, a view of the only step.
-    """
-    if "VTKHDF" in file:
-        del file["VTKHDF"]
-    group = file.create_group("VTKHDF")
-    _write_geometry(group, grid)
-    cells = group.create_group("CellData")
-    count = file["time"].shape[0]
-    for name in names:
-        if count == 1:
-            cells.create_virtual_dataset(name, _only_step(file[name]))
-        else:
-            cells[name] = file[name]
-        if file[name].ndim == 5:
-            cells[name].attrs["Attribute"] = np.bytes_("Vectors")
-    if count == 1:
-        group.create_group("FieldData")["TimeValue"] = file["time"][:]
-        return
-    steps = group.create_group("Steps")
-    steps.attrs["NSteps"] = count
-    steps["Values"] = file["time"][:]
-    for name in names:
-        steps[f"CellDataOffsets/{name}"] = np.arange(count)
-    if group.attrs["Type"] == b"RectilinearGrid":
-        for name in AXIS_NAMES:
-            steps[f"{name.upper()}CoordinatesOffsets"] = np.zeros(count, dtype=np.int64)
-
-
-def _only_step(data: h5py.Dataset) -> h5py.VirtualLayout:
-    """data[0] of the same file, as a dataset of its own."""
-    layout = h5py.VirtualLayout(shape=data.shape[1:], dtype=data.dtype)
-    source = h5py.VirtualSource(".", data.name, data.shape, data.dtype, maxshape=data.maxshape)
-    layout[...] = source[0]
-    return layout
-
-
-def _write_geometry(group: h5py.Group, grid: Grid) -> None:
-    """What VTK needs to place the cells: origin and spacing, or the faces of each axis."""
-    points = [axis.cells + 1 for axis in grid.axes]
-    if all(axis.uniform for axis in grid.axes):
-        group.attrs["Version"] = np.array([2, 0])
-        group.attrs["Type"] = np.bytes_("ImageData")
-        group.attrs["WholeExtent"] = np.array([n for p in points for n in (0, p - 1)], dtype="i4")
-        group.attrs["Origin"] = np.array([axis.low for axis in grid.axes])
-        group.attrs["Spacing"] = np.array([axis.length / axis.cells for axis in grid.axes])
-        group.attrs["Direction"] = np.eye(3).ravel()
-        return
-    group.attrs["Version"] = np.array([2, 7])
-    group.attrs["Type"] = np.bytes_("RectilinearGrid")
-    group.attrs["Dimensions"] = np.array(points, dtype="i4")
-    for axis in grid.axes:
-        group[f"{axis.name.upper()}Coordinates"] = axis.faces
+def _copy_rows(source: h5py.Dataset, file: h5py.File, name: str, total: int, row: int, count: int):
+    """source[:count] to file[name][row : row + count], its chunks as they are, compressed."""
+    if name not in file:
+        create_field(file, name, (total, *source.shape[1:]), source.dtype)
+    target = file[name]
+    for number in range(source.id.get_num_chunks()):
+        at = source.id.get_chunk_info(number).chunk_offset
+        if at[0] < count:
+            mask, chunk = source.id.read_direct_chunk(at)
+            target.id.write_direct_chunk((at[0] + row, *at[1:]), chunk, mask)

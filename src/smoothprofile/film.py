@@ -103,7 +103,8 @@ def _images(record: RunRecord, frames: list[tuple[float, Beads]]) -> Iterator[np
         # The panels stay where the first frame has put them.
         figure.set_layout_engine("none")
         picture = np.asarray(figure.canvas.buffer_rgba())[..., :3]
-        yield np.ascontiguousarray(picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2])
+        height, width = (side // 2 * 2 for side in picture.shape[:2])
+        yield np.ascontiguousarray(picture[:height, :width])
 
 
 def _write_mp4(path: Path, images: Iterator[np.ndarray]) -> None:

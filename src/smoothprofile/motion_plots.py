@@ -88,7 +88,10 @@ def _turns(columns: Columns) -> bool:
 
 
 def pair_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any]) -> Picture | None:
-    """Distance of two free bodies' centres, and the angle of their line to its first direction."""
+    """Distance of two free bodies' centres, and the angle of their line to its first direction.
+
+    The reference's `distance`, and those of the computations beside it, are curves.
+    """
     bodies = [c for c in particles.values() if len(c["time"]) > 1 and _travels(c)]
     if len(bodies) != 2 or "contact_distance" not in reference:
         return None
@@ -97,12 +100,19 @@ def pair_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any])
     line = vectors(bodies[1], "position") - vectors(bodies[0], "position")
     cosine = line[:, 0] @ line / (apart * apart[0])
     gaps.plot(time, apart, label="this run")
+    groups = [reference, *(v for v in reference.values() if isinstance(v, Mapping))]
+    for group, marker in zip((g for g in groups if "distance" in g), "ox+", strict=False):
+        curve = group["distance"]
+        style = {**CIRCLES, "marker": marker, "markersize": 3.5}
+        gaps.plot(curve["coordinate"], curve["value"], label=_label(group), **style)
     gaps.axhline(reference["contact_distance"], label="touch", **LEVEL)
-    turns.plot(time, np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    angle = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    turns.plot(time, angle)
     gaps.set(title="Distance of the centres", xlabel="t (time)", ylabel="distance (length)")
     turns.set(
-        title="Turn of their line", xlabel="t (time)", ylabel="angle (degrees)", ylim=(0, None)
-    )
+        title="Turn of their line", xlabel="t (time)", ylabel="angle (degrees)",
+        ylim=(0, max(1.0, 1.05 * angle.max())),
+    )  # fmt: skip
     gaps.legend()
     return Picture("pair", "The pair: how far apart, and how turned.", figure, wide=True)
 

@@ -5,38 +5,34 @@
     history.csv     one row per recorded step
     particles.csv   one row per recorded step and particle
     trajectory.gsd  one frame per recorded step, if bodies move (see trajectories.py)
-    lines.csv       velocity along the lines, and shear along the wall line, at the end
-    structure.csv   pairs of beads by distance, at the end, if a field moves them
-    plane.npz       the fields in one plane, at the end
     fields.h5       snapshots of the fields (see fields.py)
     summary.json    the result in one object
+    lines.csv, structure.csv, plane.npz: at the end (see samples.py)
 
-Tables are flushed row by row, so that a run that is killed keeps what it had computed.
+Every row of a table is written at once, every other file beside its place and renamed, so that all
+of them can be read at every instant and a run that is killed keeps what it had computed. A file
+that cannot be written stops the run with an OutputError that names it; a checkpoint that cannot be
+written does not, and is tried again when the next one is due.
 """
 
-import fcntl
 import math
-import os
-import platform
 import shlex
 import sys
 import time as clock
-from collections.abc import Iterable, Mapping
-from datetime import UTC, datetime
-from importlib.metadata import version
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
-import numpy as np
-
-from smoothprofile import structure
 from smoothprofile.checkpoint import write_checkpoint
 from smoothprofile.csvtables import GrowingTable, flat_row
-from smoothprofile.errors import BlowUpError, CaseError, StoppedError
+from smoothprofile.errors import BlowUpError, CaseError, OutputError, StoppedError
 from smoothprofile.fields import FieldsFile
-from smoothprofile.grid import AXIS_NAMES
 from smoothprofile.jsontext import plain, to_json
+from smoothprofile.provenance import case_hash, lock, machine, now, unlock, versions
 from smoothprofile.runrecord import read_json
+from smoothprofile.safefiles import write_text
+from smoothprofile.samples import write_cuts
 from smoothprofile.trajectories import NoTrajectory, Trajectory, cut_back, trajectory_of
 
 # How far the files of a new run are: none is there.
@@ -47,8 +43,6 @@ NOTHING_YET = {
     "next_snapshot": None,
     "snapshots": {"times": [], "names": []},
 }
-LOCK = "lock"
-LIBRARIES = ("smoothprofile", "numpy", "scipy", "numba", "ducc0", "h5py", "gsd")
 
 
 def next_free_directory(parent: Path | str, name: str) -> Path:
@@ -72,9 +66,16 @@ class RunDirectory:
     """
 
     def __init__(
-        self, path: Path | str, case_toml: str, preflight: Iterable[Mapping[str, Any]] = ()
+        self,
+        path: Path | str,
+        case_toml: str,
+        preflight: Iterable[Mapping[str, Any]] = (),
+        tell: Callable[[str], None] = lambda sentence: None,
     ):
-        """Make the directory. CaseError if anything of that name exists or it cannot be made."""
+        """Make the directory. CaseError if anything of that name exists or it cannot be made.
+
+        tell: takes a sentence when a checkpoint cannot be written.
+        """
         self.path = Path(path)
         try:
             self.path.mkdir(parents=True)
@@ -86,49 +87,70 @@ class RunDirectory:
             raise CaseError(
                 f"the output directory {self.path} cannot be made: {error.strerror}."
             ) from error
-        self._lock = lock(self.path)
-        (self.path / "case.toml").write_text(case_toml, encoding="utf-8")
-        self._case_toml = case_toml
+        self._hold(case_toml, tell)
         self._run = {
             "status": "running",
             "message": None,
-            "started": _now(),
+            "started": now(),
             "ended": None,
             "command": shlex.join(sys.argv),
-            "versions": _versions(),
-            "machine": _machine(),
+            "case": case_hash(case_toml),
+            "versions": versions(),
+            "machine": machine(),
             "preflight": list(preflight),
             "resumed": [],
         }
-        self._write_run()
-        self._open(NOTHING_YET)
+        try:
+            self._write_run()
+            # Last, so that a directory with a case in it can be gone on with.
+            write_text(self.path / "case.toml", case_toml)
+            self._open(NOTHING_YET)
+        except OutputError:
+            unlock(self.path, self._lock)
+            raise
 
     @classmethod
     def resumed(
-        cls, path: Path, saved: Mapping[str, Any] | None, simulation: Any
+        cls,
+        path: Path,
+        saved: Mapping[str, Any] | None,
+        simulation: Any,
+        tell: Callable[[str], None] = lambda sentence: None,
     ) -> "RunDirectory":
         """Go on in a directory that is there, from what `saved` gave; None: from the start.
 
-        What was written after that checkpoint is cut off. CaseError if another run is at work.
+        What was written after that checkpoint is cut off. CaseError if another run is at work, or
+        if a file holds less than the checkpoint says.
         """
         self = cls.__new__(cls)
-        self.path, self._lock = Path(path), lock(Path(path))
-        self._case_toml = (self.path / "case.toml").read_text(encoding="utf-8")
+        self.path = Path(path)
+        self._hold((self.path / "case.toml").read_text(encoding="utf-8"), tell)
+        try:
+            self._take_up(saved, simulation)
+        except BaseException:
+            unlock(self.path, self._lock)
+            raise
+        return self
+
+    def _hold(self, case_toml: str, tell: Callable[[str], None]) -> None:
+        self._lock, self._case_toml, self._tell = lock(self.path), case_toml, tell
+        self.checkpoint_at: str | None = None
+        self._closed = False
+
+    def _take_up(self, saved: Mapping[str, Any] | None, simulation: Any) -> None:
         self._run = read_json(self.path / "run.json")
-        entry = {"at": _now(), "step": simulation.steps, "versions": _versions()}
+        entry = {"at": now(), "step": simulation.steps, "versions": versions()}
         self._run["resumed"] = [*self._run.get("resumed", ()), entry]
         self._run |= {"status": "running", "message": None, "ended": None}
         self._write_run()
         cut_back(self.path / "trajectory.gsd", simulation.steps if saved else -1)
         self._open(saved or {**NOTHING_YET, "history": 0, "particles": 0})
-        fields = self.path / "fields.h5"
+        if saved:
+            self.checkpoint_at = simulation.moment
+        snapshots = FieldsFile(self.path / "fields.h5", simulation.grid)
+        snapshots.cut_back(**self._snapshots)
         if self._snapshots["times"]:
-            self._fields = FieldsFile(fields, simulation.grid)
-            self._fields.cut_back(**self._snapshots)
-        else:
-            fields.unlink(missing_ok=True)
-        (self.path / "lines.csv").unlink(missing_ok=True)
-        return self
+            self._fields = snapshots
 
     def _open(self, saved: Mapping[str, Any]) -> None:
         self._history = GrowingTable(self.path / "history.csv", saved["history"])
@@ -156,19 +178,43 @@ class RunDirectory:
         }
 
     def checkpoint(self, simulation: Any) -> None:
-        """Write where the run and its files are now, so that it can go on from here."""
+        """Write where the run and its files are now, so that it can go on from here.
+
+        OutputError if it cannot be written; the one before then stands.
+        """
+        self._last_checkpoint = clock.monotonic()
         tree = {"simulation": simulation.saved(), "directory": self.saved()}
         write_checkpoint(self.path, self._case_toml, tree)
-        self._last_checkpoint = clock.monotonic()
+        self.checkpoint_at = simulation.moment
+
+    def checkpoint_if_due(self, simulation: Any) -> None:
+        """A checkpoint if the last one is old enough; if it cannot be written, the run goes on.
+
+        It does not if the directory is gone: OutputError.
+        """
+        due = simulation.case.output.checkpoint_every
+        if simulation.status != "running" or clock.monotonic() - self._last_checkpoint < due:
+            return
+        try:
+            self.checkpoint(simulation)
+        except OutputError as error:
+            if not (self.path / "case.toml").is_file():
+                raise
+            last = f"the one at {self.checkpoint_at} stands" if self.checkpoint_at else "none is"
+            self._tell(f"{error} The run goes on, and will try again; until then {last}.")
 
     def __enter__(self) -> "RunDirectory":
         return self
 
     def __exit__(self, kind, error, traceback) -> None:
-        if error is not None:
-            self._run["status"] = _status_of(error)
-            self._run["message"] = str(error) or type(error).__name__
-        self._close()
+        if error is None:
+            self._close()
+            return
+        self._run["status"] = _status_of(error)
+        self._run["message"] = str(error) or type(error).__name__
+        # What ended the run is what is told, whatever else cannot be written then.
+        with suppress(OutputError):
+            self._close()
 
     def record(self, simulation: Any) -> None:
         """Append the history rows that are new, the particles with them, a snapshot if due.
@@ -184,9 +230,6 @@ class RunDirectory:
             self._record_particles(simulation)
         self._rows = count
         self._record_snapshot(simulation)
-        due = simulation.case.output.checkpoint_every
-        if due and clock.monotonic() - self._last_checkpoint >= due:
-            self.checkpoint(simulation)
 
     def _record_snapshot(self, simulation: Any) -> None:
         every = simulation.case.output.fields_every
@@ -203,9 +246,7 @@ class RunDirectory:
         """Write the final fields, lines, plane and summary; returns what summary.json holds."""
         self.record(simulation)
         self._record_fields(simulation)
-        self._record_lines(simulation)
-        self._record_plane(simulation)
-        structure.write_pairs(self.path / structure.TABLE, simulation)
+        write_cuts(self.path, simulation)
         case = simulation.case
         summary = {
             "title": case.title,
@@ -213,7 +254,7 @@ class RunDirectory:
             **simulation.summary(),
             "table": simulation.table(),
         }
-        _write(self.path / "summary.json", to_json(summary))
+        write_text(self.path / "summary.json", to_json(summary) + "\n")
         self._run["status"] = simulation.status
         self._close()
         return plain(summary)
@@ -236,85 +277,28 @@ class RunDirectory:
             fields = {name: getattr(simulation, name) for name in output.fields}
             self._fields.append(simulation.time, fields)
 
-    def _record_lines(self, simulation: Any) -> None:
-        output = simulation.case.output
-        lines = [
-            ("velocity", line.name, simulation.sample_line(line.axis, line.through, line.component))
-            for line in output.lines or ()
-        ]
-        if output.wall_line is not None:
-            wall = output.wall_line
-            sample = simulation.wall_shear(wall.wall, wall.component, wall.along, wall.at)
-            lines.append(("wall_shear", wall.wall, sample))
-        table = GrowingTable(self.path / "lines.csv")
-        for quantity, name, (coordinates, values) in lines:
-            for coordinate, value in zip(coordinates, values, strict=True):
-                row = {"quantity": quantity, "name": name, "coordinate": coordinate, "value": value}
-                table.append(row)
-        table.close()
-
-    def _record_plane(self, simulation: Any) -> None:
-        plane = simulation.case.output.plane
-        across = simulation.grid.axes[AXIS_NAMES.index(plane.axis)]
-        at = across.low + 0.5 * across.length if plane.at is None else plane.at
-        sample = simulation.sample_plane(plane.axis, at)
-        np.savez_compressed(self.path / "plane.npz", axis=plane.axis, at=at, **sample)
-
     def _write_run(self) -> None:
-        _write(self.path / "run.json", to_json(self._run))
+        write_text(self.path / "run.json", to_json(self._run) + "\n")
 
     def _close(self) -> None:
-        if self._run["ended"] is None:
+        """Close all files, once, and only then have an OutputError of one of them stand."""
+        if self._closed:
+            return
+        self._closed, ended = True, self._trajectory
+        try:
+            if ended is not None:
+                ended.close()
             if self._run["status"] == "running":
                 self._run["status"] = "unfinished"
-            self._run["ended"] = _now()
+            self._run["ended"] = now()
             self._write_run()
-        self._history.close()
-        self._particles.close()
-        if self._trajectory is not None:
-            self._trajectory.close()
-            self._trajectory = None
-        (self.path / LOCK).unlink(missing_ok=True)
-        self._lock.close()
+        finally:
+            self._history.close()
+            self._particles.close()
+            unlock(self.path, self._lock)
 
 
 def _status_of(error: BaseException) -> str:
     if isinstance(error, BlowUpError):
         return "blew_up"
     return "interrupted" if isinstance(error, KeyboardInterrupt | StoppedError) else "failed"
-
-
-def _machine() -> dict[str, Any]:
-    """What a timing depends on: system, processor, number of cores."""
-    processor = platform.processor() or platform.machine()
-    cpuinfo = Path("/proc/cpuinfo")
-    if cpuinfo.is_file():
-        names = [line for line in cpuinfo.read_text().splitlines() if line.startswith("model name")]
-        processor = names[0].partition(":")[2].strip() if names else processor
-    return {"system": platform.platform(), "processor": processor, "cores": os.cpu_count()}
-
-
-def _versions() -> dict[str, str]:
-    return {"python": platform.python_version()} | {name: version(name) for name in LIBRARIES}
-
-
-def lock(path: Path) -> IO:
-    """Hold a directory for this process; CaseError if another run holds it."""
-    handle = (path / LOCK).open("w")
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        handle.close()
-        raise CaseError(f"another run is at work in {path}.") from None
-    return handle
-
-
-def _now() -> str:
-    return datetime.now(UTC).isoformat(timespec="seconds")
-
-
-def _write(path: Path, text: str) -> None:
-    """Replace a file in one go: a reader sees the old text or the new, never half of it."""
-    draft = path.with_name(path.name + ".new")
-    draft.write_text(text + "\n", encoding="utf-8")
-    draft.replace(path)

@@ -22,6 +22,8 @@ from smoothprofile.shapes import Part, Shape
 ADVECTIVE_SHARE = 0.9
 FREE_SHARE = 0.4
 STEPS_WITHOUT_LIMIT = 200
+SOLVES_A_TURN = 16
+"""Of an alternating field, at the least."""
 FARTHEST_MOVED = 3.0
 """Of the smallest radius or half side: as far outward as the radial problem goes in its wall."""
 SMALLEST_RATIO, LARGEST_RATIO = 1e-8, 1e8
@@ -58,11 +60,12 @@ def pair(case: Case, grid: Grid, speed: tuple[float, float, float]) -> Pairing:
     limit = largest_stable_step(grid, walled, nu, moving, scheme)
     if not case.particles:
         free = FREE_SHARE * limit if math.isfinite(limit) else case.time.end / STEPS_WITHOUT_LIMIT
-        step = free if case.time.step == "auto" else case.time.step
+        step = min(free, turning_step(case)) if case.time.step == "auto" else case.time.step
         return Pairing(step, limit, speed)
     xi, kind = case.profile.thickness, case.profile.kind
     best = calibration.best_time_step(xi, nu, kind, scheme)
-    step = min(best, ADVECTIVE_SHARE * limit) if case.time.step == "auto" else case.time.step
+    auto = min(best, ADVECTIVE_SHARE * limit, ADVECTIVE_SHARE * turning_step(case))
+    step = auto if case.time.step == "auto" else case.time.step
     ratio = math.sqrt(nu * step) / xi
     return Pairing(
         step,
@@ -73,6 +76,17 @@ def pair(case: Case, grid: Grid, speed: tuple[float, float, float]) -> Pairing:
         calibration.best_ratio(kind, scheme),
         calibration.interface_shift(kind, ratio, scheme),
     )
+
+
+def turning_step(case: Case) -> float:
+    """2π/(16 ω m): the largest step that resolves a field solved for every m steps; inf if still.
+
+    Forces go with its square, twice as fast.
+    """
+    electric = case.electric
+    if electric is None or electric.angular_frequency is None:
+        return math.inf
+    return math.tau / (SOLVES_A_TURN * electric.every * electric.angular_frequency)
 
 
 def expected_speed(case: Case, reaches: list[float]) -> tuple[float, float, float]:
@@ -91,7 +105,7 @@ def expected_speed(case: Case, reaches: list[float]) -> tuple[float, float, floa
     for particle, reach in zip(case.particles, reaches, strict=True):
         spin = float(np.linalg.norm(particle.angular_velocity.maximum))
         tip = spin * reach if math.isfinite(reach) else 0.0
-        speeds.append(particle.velocity.maximum + tip + _settling_speed(case, particle))
+        speeds.append(particle.velocity.maximum + tip + settling_speed(case, particle))
     gaps = [
         length for length, free in zip(domain.lengths, domain.periodic, strict=True) if not free
     ]
@@ -100,7 +114,7 @@ def expected_speed(case: Case, reaches: list[float]) -> tuple[float, float, floa
     return tuple(np.max(speeds, axis=0).tolist())
 
 
-def _settling_speed(case: Case, particle: Particle) -> np.ndarray:
+def settling_speed(case: Case, particle: Particle) -> np.ndarray:
     """(3,) terminal speed of a lone sphere of the body's volume under what pulls it.
 
     The smaller of Stokes' and Newton's: drag 6πμaU, and .44·½ρU²πa².

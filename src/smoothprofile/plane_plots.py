@@ -133,7 +133,8 @@ def _draw_forces(axes: Axes, plane: Plane) -> float:
     """Arrows of the forces on the bodies that the plane cuts; the size of the longest."""
     places, forces = plane.get("places", np.zeros((0, 2))), plane.get("forces", np.zeros((0, 2)))
     size = np.hypot(*forces.T)
-    scale = float(np.max(plane["strength"])) ** 2 * np.ptp(plane["x"]) * np.ptp(plane["y"])
+    scale = float(plane.get("permittivity", 1.0)) * float(np.max(plane["strength"])) ** 2
+    scale *= np.ptp(plane["x"]) * np.ptp(plane["y"])
     if not size.size or size.max() < NO_FORCE * scale:
         return 0.0
     longest = LONGEST_ARROW * max(np.ptp(plane["x"]), np.ptp(plane["y"]))

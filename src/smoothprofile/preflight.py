@@ -15,7 +15,13 @@ from smoothprofile import rotations
 from smoothprofile.config import Case, Particle, build_shape
 from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
-from smoothprofile.pairing import Pairing, can_be_moved, ratio_range, surface_offsets
+from smoothprofile.pairing import (
+    Pairing,
+    can_be_moved,
+    ratio_range,
+    surface_offsets,
+    turning_step,
+)
 from smoothprofile.schemes import scheme_named
 from smoothprofile.threads import thread_count
 
@@ -36,6 +42,8 @@ COLUMNS = {"velocity": 3, "pressure": 1, "indicator": 1, "potential": 1, "electr
 def checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     """Every check of a case on its grid with the step that it will take."""
     found = [_advective_limit(case, pairing)]
+    refuse(found)
+    found += _turning_field(case, pairing)
     refuse(found)
     if case.particles:
         found += _layer(case, grid, pairing)
@@ -84,6 +92,26 @@ def _advective_limit(case: Case, pairing: Pairing) -> Check:
             f"stable only up to {pairing.limit:.4g}."
         )
     return check_row("time step", pairing.step, pairing.limit, verdict, note)
+
+
+def _turning_field(case: Case, pairing: Pairing) -> list[Check]:
+    """Whether an alternating field is solved for often enough in a turn."""
+    most, electric = turning_step(case), case.electric
+    if math.isinf(most):
+        return []
+    verdict, note = "ok", "a sixteenth of a turn of the field between two solves"
+    if pairing.step > most:
+        verdict = "refuse"
+        note = (
+            f"electric.angular_frequency is {electric.angular_frequency:g}; a field that is "
+            f"solved for {_each(electric.every)} needs a time.step of {most:.4g} "
+            f"at most, a sixteenth of a turn between two solves, and it is {pairing.step:.4g}."
+        )
+    return [check_row("step, turning field", pairing.step, most, verdict, note)]
+
+
+def _each(steps: int) -> str:
+    return "every step" if steps == 1 else f"every {steps} steps"
 
 
 def _layer(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:

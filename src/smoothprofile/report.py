@@ -83,6 +83,9 @@ def comparison(
     if tensor := record.summary.get("effective_permittivity"):
         measured["effective_permittivity"] = float(np.diag(tensor).max())
     measured |= motion_numbers(record.particles)
+    for key in ("permittivity_along", "apparent_viscosity"):
+        if key in record.summary:
+            measured[key] = record.summary[key]
     if mean := record.summary.get("mean_velocity"):
         measured["mean_velocity"] = max(mean, key=abs)
     if stresses := _wall_stresses(record):

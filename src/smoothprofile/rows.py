@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from smoothprofile import sampling, structure, suspension, wall_stress
+from smoothprofile.numbers import numbers_of
 from smoothprofile.particles.stress import components
 
 if TYPE_CHECKING:
@@ -35,7 +36,14 @@ def totals(run: "Simulation") -> dict[str, Any]:
         **wall_stress.history_row(run),
         **run.action.history(),
         **structure.history_row(run),
+        "numbers": numbers_of(run.case, fastest(run)),
     }
+
+
+def fastest(run: "Simulation") -> float | None:
+    """The largest |V| of a free body; None if none is free."""
+    free = [b for b, particle in enumerate(run.case.particles) if particle.motion == "free"]
+    return float(np.linalg.norm(run.bodies.state.velocity[free], axis=1).max()) if free else None
 
 
 def body_rows(run: "Simulation") -> list[dict[str, Any]]:

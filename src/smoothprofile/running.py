@@ -1,16 +1,18 @@
 """From a run and its directory to its end: what `spm run` and `spm resume` do alike."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from smoothprofile.checkpoint import read_checkpoint
+from smoothprofile.checkpoint import has_checkpoint, read_checkpoint
 from smoothprofile.config import load_case
 from smoothprofile.console import Watcher, leave, print_json, print_table, say
-from smoothprofile.errors import BlowUpError, CaseError, StoppedError
+from smoothprofile.errors import BlowUpError, CaseError, OutputError, StoppedError
 from smoothprofile.output import RunDirectory, next_free_directory
 from smoothprofile.report import write_report
 from smoothprofile.runrecord import read_json
 from smoothprofile.runs import Run, run_of
+from smoothprofile.safefiles import reason
 from smoothprofile.stops import Stops
 
 ENDED = ("finished", "steady", "max_steps")
@@ -24,7 +26,7 @@ def start(case: str, loaded: Any, out: Path | None, json: bool) -> None:
             if row["verdict"] == "warn":
                 say("Note: {name} is {value:.3g}, against {limit:.3g}: {note}.".format(**row))
         path = out or next_free_directory("runs", Path(case).stem)
-        directory = RunDirectory(path, simulation.case.to_toml(), simulation.preflight())
+        directory = RunDirectory(path, simulation.case.to_toml(), simulation.preflight(), say)
         ended = _run(simulation, directory, watcher)
     _tell(simulation, path, ended, json)
 
@@ -37,18 +39,25 @@ def go_on(path: Path, json: bool) -> None:
     if status in ENDED:
         raise CaseError(f"the run in {path} has ended already: {status}.")
     with Watcher(quiet=json) as watcher:
-        text = (path / "case.toml").read_text(encoding="utf-8")
-        simulation = run_of(load_case(path / "case.toml"))
-        saved = None
-        if simulation.case.time is not None and any(path.glob("checkpoint*.h5")):
-            tree = read_checkpoint(path, text)
-            saved = tree["directory"]
-            simulation.restore(tree["simulation"])
-        directory = RunDirectory.resumed(path, saved, simulation)
-        where = f"step {simulation.steps}" if saved else "the start, for it left no checkpoint"
+        simulation, directory = taken_up(path, say)
+        where = directory.checkpoint_at or "the start, for it left no checkpoint"
         say(f"Going on in {path} from {where}.")
         ended = _run(simulation, directory, watcher)
     _tell(simulation, path, ended, json)
+
+
+def taken_up(path: Path, tell: Callable[[str], None]) -> tuple[Run, RunDirectory]:
+    """A run as its last checkpoint left it, or as it was at its start if it left none.
+
+    CaseError if what there is cannot be gone on with.
+    """
+    text = (path / "case.toml").read_text(encoding="utf-8")
+    simulation, saved = run_of(load_case(path / "case.toml")), None
+    if simulation.case.time is not None and has_checkpoint(path):
+        tree = read_checkpoint(path, text, tell)
+        saved = tree["directory"]
+        simulation.restore(tree["simulation"])
+    return simulation, RunDirectory.resumed(path, saved, simulation, tell)
 
 
 def _run(simulation: Run, directory: RunDirectory, watcher: Watcher) -> Any:
@@ -60,29 +69,50 @@ def _run(simulation: Run, directory: RunDirectory, watcher: Watcher) -> Any:
             watcher(running)
             if running is simulation:
                 directory.record(running)
-            reason = stops.reason()
-            if reason and running.status == "running":
-                if running is simulation:
-                    directory.checkpoint(running)
-                raise StoppedError(
-                    f"Stopped by {reason} at t = {running.time:.6g}; "
-                    f"spm resume {directory.path} goes on."
-                )
+            if running.status != "running":
+                return
+            if reason := stops.reason():
+                _stop(simulation, directory, f"Stopped by {reason} at t = {running.time:.6g}")
+            directory.checkpoint_if_due(simulation)
 
         try:
             with directory:
                 simulation.run(observe)
                 return directory.finish(simulation)
+        except OutputError as error:
+            return OutputError(f"{str(error).rstrip('.')}; {_goes_on(directory)}.")
         except (BlowUpError, KeyboardInterrupt, StoppedError) as error:
             return error
 
 
+def _stop(simulation: Run, directory: RunDirectory, why: str) -> None:
+    """StoppedError, after a checkpoint."""
+    try:
+        directory.checkpoint(simulation)
+    except OutputError as error:
+        why = f"{why}; {str(error).rstrip('.')}"
+    raise StoppedError(f"{why}; {_goes_on(directory)}.")
+
+
+def _goes_on(directory: RunDirectory) -> str:
+    return f"spm resume {directory.path} goes on from {directory.checkpoint_at or 'its start'}"
+
+
 def _tell(simulation: Run, path: Path, ended: Any, json: bool) -> None:
-    page = write_report(path)
+    page = _report(path)
     if isinstance(ended, BaseException):
         leave(ended, json, path, page)
     if json:
-        print_json({**ended, "directory": str(path), "report": str(page)})
+        print_json({**ended, "directory": str(path), "report": page and str(page)})
         return
     print_table(simulation.case.title, ("quantity", "value", ""), simulation.table())
-    say(f"Everything is in {path}; open {page}.")
+    say(f"Everything is in {path}" + (f"; open {page}." if page else "."))
+
+
+def _report(path: Path) -> Path | None:
+    """The report of what there is; a run is not lost where it cannot be written."""
+    try:
+        return write_report(path)
+    except OSError as error:
+        say(f"The report cannot be written: {reason(error)}; spm report {path} makes it anew.")
+        return None

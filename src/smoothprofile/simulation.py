@@ -30,6 +30,7 @@ from smoothprofile.grid import AXIS_NAMES, interior
 from smoothprofile.pairing import expected_speed, pair
 from smoothprofile.particles.motion import Course
 from smoothprofile.preflight import Check, check_memory, checks, refuse
+from smoothprofile.preliminary import PreliminaryRuns
 from smoothprofile.rows import body_rows, history_row, totals
 from smoothprofile.tables import result_table
 from smoothprofile.threads import ThreadTrial, thread_count
@@ -67,7 +68,9 @@ class Simulation:
         self._first_seconds = 0.0
         self._threads = ThreadTrial()
         self.history: dict[str, list] = {}
-        self.preliminary: list[dict[str, Any]] = []
+        self._stages = PreliminaryRuns(
+            case.stages()[:-1], lambda stage: Simulation(stage, self._courses)
+        )
 
     @classmethod
     def from_file(
@@ -90,13 +93,26 @@ class Simulation:
         return self.state.steps
 
     @property
+    def moment(self) -> str:
+        """Where the run is, in words."""
+        before = self._stages.current
+        if before is None:
+            return f"step {self.steps}"
+        return f"step {before.steps} of preliminary run {len(self.preliminary) + 1}"
+
+    @property
+    def preliminary(self) -> list[dict[str, Any]]:
+        """What each of the runs before this one took."""
+        return self._stages.rows
+
+    @property
     def time_step(self) -> float:
         return self.pairing.step
 
     def run(self, observer: Observer | None = None) -> dict[str, Any]:
         """Run the preliminary stages and then the case to its end; returns the summary."""
         if self.steps == 0 and self.case.start:
-            self._run_preliminary(observer)
+            self.continue_from(self._stages.run(observer))
         while self.status == "running":
             self.step_once()
             if observer:
@@ -119,6 +135,8 @@ class Simulation:
 
     def saved(self) -> dict[str, Any]:
         """Everything that a run goes on from between two steps, and what it has to tell."""
+        if self._stages.current is not None:
+            return {"stages": self._stages.saved()}
         return {
             "flow_state": self.state.saved(),
             "flow": self.flow.saved(),
@@ -132,13 +150,16 @@ class Simulation:
 
     def restore(self, saved: Mapping[str, Any]) -> None:
         """Take back what `saved` gave: the steps that follow are those that would have followed."""
+        if "stages" in saved:
+            self._stages.restore(saved["stages"])
+            return
         self.state.restore(saved["flow_state"])
         self.flow.restore(saved["flow"])
         self.bodies.restore(saved["bodies"])
         self.action.restore(saved["action"])
         self.status, self.wall_seconds = saved["status"], saved["wall_seconds"]
         self.history = {name: list(values) for name, values in saved["history"].items()}
-        self.preliminary = saved["preliminary"]
+        self._stages.rows = saved["preliminary"]
 
     def continue_from(self, other: "Simulation") -> None:
         """Start from the fields of another run over the same box, at this run's own time 0."""
@@ -153,25 +174,6 @@ class Simulation:
         self.flow.projection.make_divergence_free(self.state.velocity)
         self.flow.fill(self.state.velocity, 0.0)
         set_out(self.flow, self.bodies, self.state)
-
-    def _run_preliminary(self, observer: Observer | None) -> None:
-        previous = None
-        for stage in self.case.stages()[:-1]:
-            run = Simulation(stage, self._courses)
-            if previous is not None:
-                run.continue_from(previous)
-            run.run(observer)
-            self.preliminary.append(
-                {
-                    "cells": list(run.grid.shape),
-                    "steps": run.steps,
-                    "time": run.time,
-                    "status": run.status,
-                    "wall_seconds": run.wall_seconds,
-                }
-            )
-            previous = run
-        self.continue_from(previous)
 
     def _decide(self) -> str:
         rules = self.case.time

@@ -23,8 +23,8 @@ from scipy.spatial import cKDTree
 
 from smoothprofile.distances import SPHERE
 
-NEAR = 0.2
-"""η: gaps below this share of the radius are bonds; one cell, which contact keeps, is less."""
+NEAR = 0.3
+"""η: gaps below this share of the radius are bonds; the cell or so that contact keeps is less."""
 CONE = math.radians(30.0)
 """Pairs within this angle of the field are along it, within it of the plane across it, across."""
 FARTHEST, BIN = 10.0, 0.1

@@ -8,7 +8,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import to_rgb
 
 from smoothprofile.csvtables import number_columns, read_table
-from smoothprofile.figures import DASHES, LEVEL, PALETTE, Picture, new_panels
+from smoothprofile.figures import DASHES, LEVEL, PALETTE, Picture, legend_below, new_panels
 from smoothprofile.labels import SYMBOLS
 from smoothprofile.runrecord import RunRecord
 from smoothprofile.structure import TABLE, Beads, bonds, chain_of
@@ -72,7 +72,7 @@ def chains_picture(history: History) -> Picture | None:
     order.plot(time, history["alignment"])
     gaps.plot(time, history["smallest_gap"])
     gaps.axhline(0.0, **LEVEL)
-    lengths.legend()
+    legend_below(lengths, 3)
     lengths.set(title="Length of chains", xlabel="t (time)", ylabel="beads", ylim=(0, None))
     order.set(title="Bonds along the field", xlabel="t (time)", ylabel="⟨(3cos²θ − 1)/2⟩")
     gaps.set(title="Smallest gap", xlabel="t (time)", ylabel="h (length)")
@@ -109,11 +109,10 @@ def pairs_picture(table: Mapping[str, np.ndarray]) -> Picture | None:
     for number, (name, label) in enumerate(labels.items()):
         axes.plot(table["r"], table[name], DASHES[number], label=label, drawstyle="steps-mid")
     axes.axhline(1.0, **LEVEL)
-    axes.set(
-        title="Pairs at a distance", xlabel="r (length)", ylabel="g, logarithmic above 1",
-    )  # fmt: skip
+    axes.set(title="Pairs at a distance", xlabel="r (length)", ylabel="g, logarithmic above 1")
     axes.set_yscale("symlog", linthresh=1.0)
-    axes.set_ylim(0.0, None)
+    near = float(table["r"][np.flatnonzero(table["g"])[:1]].sum())
+    axes.set(xlim=(0.8 * near, float(table["r"][-1])), ylim=(0.0, None))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.legend()
     caption = (

@@ -1,8 +1,12 @@
 """The result of a run as a table for people."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from smoothprofile.numbers import number_rows
+from smoothprofile.rows import fastest
 
 if TYPE_CHECKING:
     from smoothprofile.electrostatics import Electrostatics
@@ -23,20 +27,25 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
         note = f"best {pairing.best_ratio:.4f}; a flat wall retreats {shift:.4f} ξ"
         rows.append(("√(νΔt)/ξ", f"{pairing.ratio:.4f}", note))
     bodies = run.particles
+    vector = _vector if run.case.units is None else _relative
     for body, particle in zip(bodies[:MOST_BODIES], run.case.particles, strict=False):
-        rows += _of_body(body, particle.motion == "free")
+        rows += _of_body(body, particle.motion == "free", vector)
     if len(bodies) > MOST_BODIES:
         mean = np.mean([body["velocity"] for body in bodies], axis=0)
-        rows.append(("mean velocity", _vector(mean), f"of all {len(bodies)} bodies"))
+        rows.append(("mean velocity", vector(mean), f"of all {len(bodies)} bodies"))
         left = len(bodies) - MOST_BODIES
         rows.append(("other bodies", str(left), "see particles.csv"))
     if "apparent_viscosity" in summary:
         note = "stress on the walls over the rate of shear"
         rows.append(("apparent viscosity", f"{summary['apparent_viscosity']:.6g}", note))
-    rows.append(("force on the walls", _vector(summary["wall_force"]["total"]), ""))
+    if "mean_chain_length" in summary:
+        note = f"beads; the longest has {summary['longest_chain']}"
+        rows.append(("mean chain length", f"{summary['mean_chain_length']:.4g}", note))
+    rows.append(("force on the walls", vector(summary["wall_force"]["total"]), ""))
     if run.flow.mean_flow.targets:
-        rows.append(("driving force", _vector(run.driving_force), "per unit volume"))
+        rows.append(("driving force", vector(run.driving_force), "per unit volume"))
     rows += [
+        *_numbers(number_rows(run.case, fastest(run))),
         ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
         ("rate of change", f"{summary['change_rate']:.2g}", "max|∂u/∂t|/max|u|"),
         ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
@@ -65,6 +74,7 @@ def field_table(run: "Electrostatics") -> list[tuple[str, str, str]]:
     if len(bodies) > MOST_BODIES:
         rows.append(("other bodies", str(len(bodies) - MOST_BODIES), "see particles.csv"))
     seconds = f"{summary['wall_seconds']:.3g} s"
+    rows += _numbers(number_rows(run.case))
     return [*rows, ("wall-clock", seconds, _threads(summary["threads"]))]
 
 
@@ -86,16 +96,20 @@ def _in_field(body: dict) -> list[tuple[str, str, str]]:
     ]
 
 
-def _of_body(body: dict, free: bool) -> list[tuple[str, str, str]]:
+def _numbers(rows: list[tuple[str, float, str]]) -> list[tuple[str, str, str]]:
+    return [(name, f"{value:.6g}", note) for name, value, note in rows]
+
+
+def _of_body(body: dict, free: bool, vector: Callable) -> list[tuple[str, str, str]]:
     name, inside = body["name"], body["interior_velocity"] - body["velocity"]
     rows = [
-        (f"force on {name}", _vector(body["force"]), ""),
-        (f"torque on {name}", _vector(body["torque"]), "about its position"),
+        (f"force on {name}", vector(body["force"]), ""),
+        (f"torque on {name}", vector(body["torque"]), "about its position"),
         (f"surface of {name}", f"{body['painted_offset']:+.5f}", "painted outward by"),
     ]
     if free:
-        rows.insert(0, (f"velocity of {name}", _vector(body["velocity"]), "at the end"))
-        rows.insert(1, (f"place of {name}", _vector(body["position"]), "its centre of mass"))
+        rows.insert(0, (f"velocity of {name}", vector(body["velocity"]), "at the end"))
+        rows.insert(1, (f"place of {name}", vector(body["position"]), "its centre of mass"))
     if body["shape"] != "plane":
         slip = f"{np.linalg.norm(inside):.3g}"
         rows.append((f"slip inside {name}", slip, "at its centre; 0 is exact"))
@@ -104,6 +118,11 @@ def _of_body(body: dict, free: bool) -> list[tuple[str, str, str]]:
 
 def _vector(values: np.ndarray, faint: float = 5e-13) -> str:
     return "(" + ", ".join(f"{0.0 if abs(v) < faint else v:.6g}" for v in values) + ")"
+
+
+def _relative(values: np.ndarray) -> str:
+    """In physical units, where forces of 1e-12 are no round-off."""
+    return _vector(values, 1e-9 * float(np.abs(values).max()))
 
 
 def _limit(step: float) -> str:

@@ -9,6 +9,7 @@ A frame stands for each row of history. Bodies without an end are left out. Numb
 precision; particles.csv has all digits. Format: https://gsd.readthedocs.io.
 """
 
+import os
 import time as clock
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,7 +21,9 @@ from scipy.spatial import ConvexHull
 
 from smoothprofile.config import body_shape
 from smoothprofile.distances import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
+from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
+from smoothprofile.safefiles import writing
 from smoothprofile.shapes import Part, Shape
 
 AROUND = 32
@@ -54,7 +57,9 @@ class Trajectory:
             self._still["mass"] = _single(np.nan_to_num(known, nan=0.0))
             inertia = _principal([shapes[b] for b in self._rows], known)
             self._still["moment_inertia"] = _single(inertia)
-        self._file = gsd.hoomd.open(str(path), mode="a")
+        self._path = Path(path)
+        with writing(self._path):
+            self._file = gsd.hoomd.open(str(path), mode="a")
         self._flushed = -np.inf
 
     def append(self, simulation: Any) -> None:
@@ -79,17 +84,21 @@ class Trajectory:
             "particles/torque": _single(state.torque[rows]),
             "particles/angular_velocity": _single(state.angular_velocity[rows]),
         }
-        self._file.append(frame)
+        with writing(self._path):
+            self._file.append(frame)
         if clock.monotonic() > self._flushed + BETWEEN_FLUSHES:
-            self._file.flush()
+            self.flush()
             self._flushed = clock.monotonic()
 
     def flush(self) -> None:
-        """Bring all frames to the file."""
-        self._file.flush()
+        """Bring all frames to the file. OutputError if it cannot be written."""
+        with writing(self._path):
+            self._file.flush()
 
     def close(self) -> None:
-        self._file.close()
+        """OutputError if the last frames cannot be written."""
+        with writing(self._path):
+            self._file.close()
 
 
 class NoTrajectory:
@@ -119,14 +128,25 @@ def trajectory_of(path: Path | str, simulation: Any) -> Trajectory | NoTrajector
 
 
 def cut_back(path: Path | str, step: int) -> None:
-    """Leave only the frames up to `step`, if there is such a file: a run goes on from there."""
+    """Leave only the frames up to `step`, if there is such a file: a run goes on from there.
+
+    CaseError if it cannot be read; with `step` below 0 it is not asked to be.
+    """
     path = Path(path)
     if not path.is_file():
         return
+    if step < 0:
+        path.unlink()
+        return
     draft = path.with_name(path.name + ".new")
-    with gsd.hoomd.open(str(path), mode="r") as old, gsd.hoomd.open(str(draft), mode="w") as new:
-        new.extend(frame for frame in old if frame.configuration.step <= step)
-    draft.replace(path)
+    try:
+        old = gsd.hoomd.open(str(path), mode="r")
+    except (OSError, RuntimeError) as error:
+        raise CaseError(f"{path} cannot be gone on with: it is damaged.") from error
+    with old, writing(path):
+        with gsd.hoomd.open(str(draft), mode="w") as new:
+            new.extend(frame for frame in old if frame.configuration.step <= step)
+        os.replace(draft, path)
 
 
 def _unchanging(shapes: Sequence[Shape], names: Sequence[str]) -> dict[str, Any]:

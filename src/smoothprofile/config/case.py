@@ -13,6 +13,7 @@ from smoothprofile.config.particle import Particle, shown_signal
 from smoothprofile.config.placement import check_placement
 from smoothprofile.config.refusals import MISSING, Refusal
 from smoothprofile.config.tomltext import document
+from smoothprofile.config.units import Units
 from smoothprofile.config.values import (
     COUNT,
     COUNTS,
@@ -103,6 +104,7 @@ class Case(Table):
 
     title: str = Field("Untitled case", description="a text in quotes")
     reference: str | None = Field(None, description="the name of a reference in quotes")
+    units: Units | None = Field(None, description="a table [units] with length, time and mass")
     domain: Domain = Field(description="a table [domain] with lengths, cells and boundaries")
     fluid: Fluid | None = Field(None, description="a table [fluid] with density and viscosity")
     electric: Electric | None = Field(

@@ -4,6 +4,7 @@ import os
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from smoothprofile.config import library
 from smoothprofile.config.case import Case
 from smoothprofile.config.refusals import Refusal, explain, shown
 from smoothprofile.config.sources import expanded
+from smoothprofile.config.units import without_units
 from smoothprofile.errors import CaseError
 
 Overrides = Mapping[str, Any] | Iterable[str]
@@ -39,16 +41,28 @@ def load_case(source: str | os.PathLike | Mapping | Case, overrides: Overrides =
     data = _plain(_data_of(source))
     for key, value in _pairs(overrides):
         _put(data, key, _plain(value, key))
-    data, origins = expanded(data, _folder_of(source))
-    try:
-        case = Case.model_validate(data)
-    except ValidationError as error:
-        sentence = explain(error, data, Case)
-        raise CaseError(origins.told(sentence) if origins else sentence) from None
+    data, folder = without_units(data), _folder_of(source)
+    if "numbers" in data:
+        # Numbers are worked out from whole cases, so that what does it cannot be met before them.
+        from smoothprofile.config.dimensionless import case_of_numbers
+
+        case = case_of_numbers(data, partial(_checked, folder=folder))
+    else:
+        case = _checked(data, folder)
     names = library.reference_names()
     if case.reference is not None and case.reference not in names:
         raise Refusal("reference", case.reference, f"it must be one of {', '.join(names)}")
     return case
+
+
+def _checked(data: dict[str, Any], folder: Path) -> Case:
+    """The case of plain data, its files in that folder."""
+    data, origins = expanded(data, folder)
+    try:
+        return Case.model_validate(data)
+    except ValidationError as error:
+        sentence = explain(error, data, Case)
+        raise CaseError(origins.told(sentence) if origins else sentence) from None
 
 
 def _data_of(source: Any) -> dict[str, Any]:

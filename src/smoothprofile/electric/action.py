@@ -19,6 +19,10 @@ class ElectricAction:
 
     `lag` is how far the force had moved, over the largest, when it was last found anew: with
     every = 1 what a step changes, with every = m the most that holding it has left out.
+
+    To go on as if never stopped, a checkpoint holds ψ, the loads, `lag`, and how many steps ago
+    they were found; the last report, drive and painted bodies are what a run tells of between two
+    solves. ε and all else follow from where bodies are.
     """
 
     def __init__(self, field: ResolvedField, drive: Callable[[float], Drive], every: int = 1):

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import njit
 
-from smoothprofile.electric.layers import STEP, level
+from smoothprofile.electric.layers import SHARP, STEP, VANISHING, level
 from smoothprofile.electric.layers import slope as profile_slope
 from smoothprofile.electric.permittivity import ARITHMETIC
 
@@ -91,14 +91,15 @@ def crowded_face(c, at, field, volume, value, law, found, near, n, total):
         rate = (inside - above) * uncovered
     else:
         rate = (below - 1.0 / inside) * uncovered * value * value
-    size = -0.5 * volume * field * field * rate * profile_slope(code, s) / (xi * r)
+    size = -0.5 * volume * field * field * rate * profile_slope(code, s) / xi
+    size /= r if r > 0.0 else 1.0
     _push(total, size * x, size * y, size * z)
 
 
 @njit
 def crowded_corner(at, e, q, volume, law, found, near, n, total):
     """As `forces` at a corner: e is Ē there, q the painted tensor's √(ε_a − ε_h) n."""
-    code, xi, half_width, radius, inside, fluid, _ = law
+    code, xi, half_width, radius = law[:4]
     x, y, z = at
     r = math.sqrt(x * x + y * y + z * z)
     s = (r - radius) / xi
@@ -107,45 +108,10 @@ def crowded_corner(at, e, q, volume, law, found, near, n, total):
     phi, first = level(code, s, half_width), 0.0
     if s >= -half_width:
         first = profile_slope(code, s) / xi
-    mx, my, mz = x / r, y / r, z / r
-    # A, H and ∇A of what lies below b, then ∂A, ∂H and ∂(∇A) by φ_b, and ∂(∇A) by ∇φ_b.
-    a, h, gx, gy, gz = fluid, 1.0 / fluid, 0.0, 0.0, 0.0
-    da, dh, vx, vy, vz = 0.0, 0.0, 0.0, 0.0, 0.0
-    left, uncovered, met = 1.0 - phi, 1.0, False
-    for m in range(n + 1):
-        if not met and (m == n or found[near[m], 6] < 0.0):
-            met = True
-            da, dh = inside - a, 1.0 / inside - h
-            vx, vy, vz = -gx, -gy, -gz
-            a, h = a + phi * da, h + phi * dh
-            steep = da * first
-            gx = (1.0 - phi) * gx + steep * mx
-            gy = (1.0 - phi) * gy + steep * my
-            gz = (1.0 - phi) * gz + steep * mz
-        if m == n:
-            break
-        dx, dy, dz, size, other = _rival(found[near[m]])
-        dx, dy, dz = x + dx, y + dy, z + dz
-        far = math.sqrt(dx * dx + dy * dy + dz * dz)
-        t = (far - size) / xi
-        if t > half_width:
-            continue
-        psi, rise = level(code, t, half_width), 0.0
-        if t >= -half_width:
-            rise = profile_slope(code, t) / (xi * far)
-        left *= 1.0 - psi
-        if met:
-            vx = vx * (1.0 - psi) - rise * dx * da * uncovered
-            vy = vy * (1.0 - psi) - rise * dy * da * uncovered
-            vz = vz * (1.0 - psi) - rise * dz * da * uncovered
-            uncovered *= 1.0 - psi
-        more = abs(other) - a
-        gx = (1.0 - psi) * gx + more * rise * dx
-        gy = (1.0 - psi) * gy + more * rise * dy
-        gz = (1.0 - psi) * gz + more * rise * dz
-        a += psi * more
-        h += psi * (1.0 / abs(other) - h)
-    da, dh = da * uncovered, dh * uncovered
+    unit = 1.0 / r if r > 0.0 else 0.0
+    mx, my, mz = unit * x, unit * y, unit * z
+    own = (phi, first * mx, first * my, first * mz)
+    a, h, gx, gy, gz, da, dh, vx, vy, vz, left, uncovered = _stack(at, own, law, found, near, n)
     ex, ey, ez = e
     u, v, w = q
     if phi > 0.0:
@@ -155,7 +121,7 @@ def crowded_corner(at, e, q, volume, law, found, near, n, total):
         total[7] += share * (strength * ey - along * v)
         total[8] += share * (strength * ez - along * w)
     steep = math.sqrt(gx * gx + gy * gy + gz * gz)
-    if first == 0.0 or steep == 0.0:
+    if first == 0.0 or steep <= VANISHING * abs(da * first):
         return
     # ½V δ(|Ē|² − (n·Ē)²) by δ = ε_a − ε_h, and by n = ∇ε_a/|∇ε_a|.
     gx, gy, gz = gx / steep, gy / steep, gz / steep
@@ -168,8 +134,56 @@ def crowded_corner(at, e, q, volume, law, found, near, n, total):
     second = (profile_slope(code, s + STEP) - profile_slope(code, s - STEP)) / (2.0 * STEP * xi**2)
     mb = beta * (mx * tx + my * ty + mz * tz)
     # ∇∇φ·b = φ″ n n·b + φ′(b − n n·b)/|r|
-    both, bend = second * mb + alpha * first - first * mb / r, first * beta / r
+    curved = first / r if SHARP * r > xi else 0.0
+    both, bend = second * mb + alpha * first - curved * mb, curved * beta
     _push(total, -both * mx - bend * tx, -both * my - bend * ty, -both * mz - bend * tz)
+
+
+@njit
+def _stack(at, own, law, found, near, n):
+    """A, H, ∇A (3); ∂A, ∂H, ∂(∇A) (3) by φ_b; Π(1 − φ), and that of the later ones.
+
+    own: φ and ∇φ of b itself. See `layers.stack`; ∂(∇A) by ∇φ_b equals ∂A by φ_b.
+    """
+    code, xi, half_width, _, inside, fluid, _ = law
+    x, y, z = at
+    phi, nx, ny, nz = own
+    a, h, gx, gy, gz = fluid, 1.0 / fluid, 0.0, 0.0, 0.0
+    da, dh, vx, vy, vz = 0.0, 0.0, 0.0, 0.0, 0.0
+    left, uncovered, met = 1.0 - phi, 1.0, False
+    for m in range(n + 1):
+        if not met and (m == n or found[near[m], 6] < 0.0):
+            met = True
+            da, dh = inside - a, 1.0 / inside - h
+            vx, vy, vz = -gx, -gy, -gz
+            a, h = a + phi * da, h + phi * dh
+            gx = (1.0 - phi) * gx + da * nx
+            gy = (1.0 - phi) * gy + da * ny
+            gz = (1.0 - phi) * gz + da * nz
+        if m == n:
+            break
+        dx, dy, dz, size, other = _rival(found[near[m]])
+        dx, dy, dz = x + dx, y + dy, z + dz
+        far = math.sqrt(dx * dx + dy * dy + dz * dz)
+        t = (far - size) / xi
+        if t > half_width:
+            continue
+        psi, rise = level(code, t, half_width), 0.0
+        if t >= -half_width:
+            rise = profile_slope(code, t) / (xi * far) if far > 0.0 else 0.0
+        left *= 1.0 - psi
+        if met:
+            vx = vx * (1.0 - psi) - rise * dx * da * uncovered
+            vy = vy * (1.0 - psi) - rise * dy * da * uncovered
+            vz = vz * (1.0 - psi) - rise * dz * da * uncovered
+            uncovered *= 1.0 - psi
+        more = abs(other) - a
+        gx = (1.0 - psi) * gx + more * rise * dx
+        gy = (1.0 - psi) * gy + more * rise * dy
+        gz = (1.0 - psi) * gz + more * rise * dz
+        a += psi * more
+        h += psi * (1.0 / abs(other) - h)
+    return a, h, gx, gy, gz, da * uncovered, dh * uncovered, vx, vy, vz, left, uncovered
 
 
 @njit(inline="always")

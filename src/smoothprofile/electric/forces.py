@@ -14,7 +14,17 @@ import numpy as np
 from numba import njit, prange
 
 from smoothprofile.electric.crowded_spheres import MOST_RIVALS, OF_RIVAL, rivals
-from smoothprofile.electric.layers import STEEPEST, STEP, WORK, bent, distance, normal, stack
+from smoothprofile.electric.layers import (
+    SHARP,
+    STEEPEST,
+    STEP,
+    VANISHING,
+    WORK,
+    bent,
+    distance,
+    normal,
+    stack,
+)
 from smoothprofile.electric.layers import slope as profile_slope
 from smoothprofile.electric.lone_spheres import margin, sphere_loads
 from smoothprofile.electric.operator import Geometry, corner_field
@@ -167,7 +177,8 @@ def _corner_loads(at, b, spot, mixture, layers, psi, e0, d, share, now, total):
     total[7] += volume * now[11] * (size * ey - along * v)
     total[8] += volume * now[11] * (size * ez - along * q)
     steep = np.sqrt(now[2] * now[2] + now[3] * now[3] + now[4] * now[4])
-    if s < -half_width or steep == 0.0:
+    first = profile_slope(code, s) / xi
+    if s < -half_width or steep <= VANISHING * abs(now[10] * first):
         return
     # ½V δ(|Ē|² − (n·Ē)²) by δ = ε_a − ε_h, and by n = ∇ε_a/|∇ε_a|.
     nx, ny, nz = now[2] / steep, now[3] / steep, now[4] / steep
@@ -180,9 +191,10 @@ def _corner_loads(at, b, spot, mixture, layers, psi, e0, d, share, now, total):
     bx, by, bz = turn * now[10] * tx, turn * now[10] * ty, turn * now[10] * tz
     # δφ and δ∇φ of a moving body: −∇φ and −∇∇φ, ∇∇φ = φ″nn + φ′∇∇d.
     mx, my, mz = normal(b, x, y, z, STEP * xi, forms)
-    first = profile_slope(code, s) / xi
     second = (profile_slope(code, s + STEP) - profile_slope(code, s - STEP)) / (2.0 * STEP * xi**2)
     hx, hy, hz = bent(b, x, y, z, bx, by, bz, STEP * xi, forms)
+    if np.sqrt(hx * hx + hy * hy + hz * hz) * xi > SHARP * np.sqrt(bx * bx + by * by + bz * bz):
+        hx, hy, hz = 0.0, 0.0, 0.0
     both = second * (mx * bx + my * by + mz * bz) + alpha * first
     fx, fy, fz = both * mx + first * hx, both * my + first * hy, both * mz + first * hz
     _push(total, x, y, z, -fx, -fy, -fz)

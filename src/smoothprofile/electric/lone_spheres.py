@@ -23,7 +23,7 @@ from smoothprofile.electric.crowded_spheres import (
     near_rivals,
     rivals,
 )
-from smoothprofile.electric.layers import level
+from smoothprofile.electric.layers import SHARP, level
 from smoothprofile.electric.layers import slope as profile_slope
 from smoothprofile.electric.operator import corner_field
 from smoothprofile.electric.permittivity import ARITHMETIC, TENSOR, place
@@ -133,7 +133,8 @@ def _lone_face(c, at, field, volume, value, law, total):
             if mode != ARITHMETIC:
                 rate = (1.0 / fluid - 1.0 / inside) * value * value
             size = -0.5 * volume * field * field * rate * profile_slope(code, s) / xi
-            _push(total, size * x / r, size * y / r, size * z / r)
+            size /= r if r > 0.0 else 1.0
+            _push(total, size * x, size * y, size * z)
 
 
 @njit(inline="always")
@@ -150,7 +151,8 @@ def _lone_corner(at, e, q, volume, law, total):
         total[7] += volume * (size * ey - along * v)
         total[8] += volume * (size * ez - along * k)
         if s >= -half_width:
-            nx, ny, nz = x / r, y / r, z / r
+            unit = 1.0 / r if r > 0.0 else 0.0
+            nx, ny, nz = unit * x, unit * y, unit * z
             ne = nx * ex + ny * ey + nz * ez
             tx, ty, tz = ex - ne * nx, ey - ne * ny, ez - ne * nz
             phi, steep = level(code, s, half_width), profile_slope(code, s) / xi
@@ -158,7 +160,7 @@ def _lone_corner(at, e, q, volume, law, total):
             h = 1.0 / (1.0 / fluid + phi * (1.0 / inside - 1.0 / fluid))
             rate = inside - fluid + (1.0 / inside - 1.0 / fluid) * h * h
             push = -0.5 * volume * (tx * tx + ty * ty + tz * tz) * rate * steep
-            turn = volume * max(a - h, 0.0) * ne / r
+            turn = volume * max(a - h, 0.0) * ne / r if SHARP * r > xi else 0.0
             _push(total, push * nx + turn * tx, push * ny + turn * ty, push * nz + turn * tz)
 
 

@@ -25,16 +25,18 @@ from smoothprofile.distances import MESH
 from smoothprofile.electric.layers import STEEPEST, STEP, distance, form_arrays, lay, level, normal
 from smoothprofile.electric.layers import slope as profile_slope
 from smoothprofile.electric.runs import corners_with_layer, no_runs, runs_of
+from smoothprofile.electric.sphere_painting import ARITHMETIC as ARITHMETIC
+from smoothprofile.electric.sphere_painting import TENSOR, cover, paint_sphere
+from smoothprofile.electric.sphere_painting import place as place
 from smoothprofile.electric.windows import Boxes, boxes_around
 from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState, Forms
-from smoothprofile.particles.paint import Painter, coordinate, wrap
+from smoothprofile.particles.paint import Painter, wrap
 from smoothprofile.profiles import TANH, Profile
 
 Smoothing = Literal["arithmetic", "harmonic", "tensor"]
 SMOOTHINGS = ("arithmetic", "harmonic", "tensor")
-ARITHMETIC, HARMONIC, TENSOR = range(3)
 
 TAIL = 5e-4
 """Relative jump of ε or 1/ε at which the tails of tanh are cut: it moves a force by 2e-4."""
@@ -160,6 +162,13 @@ def _paint(
         now = np.empty(5)
         for m in range(group[g], group[g + 1]):
             b, plane = task[order[m]]
+            if forms[9][b] > 0.0 and forms[10][b] < math.inf:
+                law = (code, xi, half_width, forms[9][b], permittivity[b], mode)
+                paint_sphere(
+                    b, plane, (first, count, image), points, lengths, periodic, position[b], law,
+                    wide, faces, layers, above, below, now,
+                )  # fmt: skip
+                continue
             i0, j0, k0 = first[b, 0] + plane, first[b, 1], first[b, 2]
             gi = wrap(i0, nx) if periodic[0] else i0
             xf = place(px, 1, i0, image[b, 0], lengths[0], periodic[0]) - position[b, 0]
@@ -177,7 +186,7 @@ def _paint(
                         continue
                     at = (gi, gj, gk)
                     if d < -(half_width * xi + wide):
-                        _cover(faces, layers, above, below, at, permittivity[b])
+                        cover(faces, layers, above, below, at, permittivity[b])
                         continue
                     _face(faces[0], at, b, xf, yc, zc, permittivity[b], mode, layer, forms)
                     _face(faces[1], at, b, xc, yf, zc, permittivity[b], mode, layer, forms)
@@ -196,22 +205,6 @@ def _paint(
                         lay(now, phi, gx, gy, gz, more, 1.0 / permittivity[b] - now[1])
                         above[at], below[at] = now[0], now[1]
                         layers[0][at], layers[1][at], layers[2][at] = now[2], now[3], now[4]
-
-
-@njit(inline="always")
-def place(points, on_face, index, image, length, periodic):
-    """Coordinate of a padded index, which may run on through the periods of the axis."""
-    if not periodic:
-        return points[1 if on_face else 0, index]
-    return coordinate(points, on_face, index, image, length)
-
-
-@njit(inline="always")
-def _cover(faces, layers, above, below, at, value):
-    for c in range(3):
-        faces[c][at] = value
-        layers[c][at] = 0.0
-    above[at], below[at] = value, 1.0 / value
 
 
 @njit(inline="always")

@@ -22,6 +22,8 @@ from smoothprofile.errors import CaseError
 from smoothprofile.grid import AXIS_NAMES, Grid
 from smoothprofile.solvers.krylov import SolveReport, conjugate_gradients, norm
 
+ROUND_OFF = 1e-14
+"""Of the largest flux through a face, in the sum of a cell's six."""
 DRIFT = 10.0
 """Times the tolerance that the true residual may be left at by round-off in its recurrence."""
 
@@ -88,10 +90,13 @@ class PotentialSolver:
         self._inverse.prepare(medium)
         self._direction[:] = 0.0
         reference = self._true_residual(medium, field, self._direction)
-        if reference == 0.0:
+        if reference <= self._round_off(medium, field) or medium.contrast == 1.0:
             self.potential[:] = 0.0
             return SolveReport(0, 0.0, "converged")
-        self._true_residual(medium, field, self.potential)
+        if self._true_residual(medium, field, self.potential) > reference:
+            # A start that is worse than none, as where an alternating field passes through zero.
+            self.potential[:] = 0.0
+            self._true_residual(medium, field, self.potential)
 
         def operator(direction, image):
             fill_ghosts(direction[0], self.boundary)
@@ -146,6 +151,13 @@ class PotentialSolver:
                     f"the mean field has a component along {axis.name}, where walls without "
                     "electrodes let no flux through."
                 )
+
+    def _round_off(self, medium: Permittivity, field) -> float:
+        """‖r‖ of ψ = 0 that round-off leaves where no flux changes along the field."""
+        widest = [float(axis.widths.max()) for axis in self.grid.axes]
+        flux = max(abs(e) * math.prod(widest) / w for e, w in zip(field, widest, strict=True))
+        highest = max([medium.fluid, *medium.permittivity])
+        return ROUND_OFF * highest * flux * math.sqrt(self.grid.cell_count)
 
     def _true_residual(self, medium, field, potential) -> float:
         fill_ghosts(potential, self.boundary)

@@ -15,6 +15,7 @@ STUDIES: dict[str, str] = {
     "lattice": "A periodic lattice of dielectric spheres (thesis 4.3)",
     "profiles": "Which profile and smoothing of permittivity is most accurate",
     "viscosity": "Effective viscosity of a dilute suspension, and the stresslet of a sphere",
+    "mason": "Beads between sliding electrodes: apparent viscosity against the Mason number",
 }
 """Name -> what it is about. The function `run` of the file of that name does it."""
 

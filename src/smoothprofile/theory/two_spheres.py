@@ -19,8 +19,6 @@ from numpy.polynomial.legendre import leggauss
 from scipy.integrate import solve_ivp
 from scipy.special import gammaln
 
-from smoothprofile.errors import CaseError
-
 Direction = Literal["along", "across"]
 DIRECTIONS = ("along", "across")
 CLOSEST = 0.01
@@ -39,11 +37,11 @@ def pair_dipole(
 
     + and m = 0 with the field along the line of centres, − and m = 1 across it. distance: d, of
     the centres in radii; ratio: R, of the spheres' permittivity to the fluid's, may be infinite.
-    CaseError for spheres closer than `CLOSEST`, and for a ratio that is not above 0.
+    ValueError for spheres closer than `CLOSEST`, and for a ratio that is not above 0.
     """
     d, count = _distance(distance), _terms(distance)
     if not ratio > 0.0:
-        raise CaseError(f"the ratio of permittivities is {ratio:g}; it must be above 0.")
+        raise ValueError(f"the ratio of permittivities is {ratio:g}; it must be above 0.")
     m = _order(direction)
     l = np.arange(1, count + 1, dtype=np.float64)
     beta = np.ones(count) if math.isinf(ratio) else l * (ratio - 1) / (l * (ratio + 1) + 1)
@@ -175,7 +173,7 @@ def _terms(distance: float) -> int:
 
 def _distance(distance: float) -> float:
     if not (math.isfinite(distance) and distance >= 2.0 + CLOSEST):
-        raise CaseError(
+        raise ValueError(
             f"the centres are {distance:g} radii apart; it must be at least {2.0 + CLOSEST:g}."
         )
     return distance
@@ -183,5 +181,5 @@ def _distance(distance: float) -> float:
 
 def _order(direction: str) -> int:
     if direction not in DIRECTIONS:
-        raise CaseError(f"direction is {direction!r}; it must be one of {', '.join(DIRECTIONS)}.")
+        raise ValueError(f"direction is {direction!r}; it must be one of {', '.join(DIRECTIONS)}.")
     return DIRECTIONS.index(direction)

@@ -1,0 +1,37 @@
+"""The study of Mason numbers: its arithmetic, and all of it by hand."""
+
+import numpy as np
+import pytest
+
+from smoothprofile.config import load_case
+from smoothprofile.studies.mason import CASE, FACTOR, HEIGHT, RATE, mason, run, slope
+
+
+def test_the_study_speaks_of_its_case():
+    case = load_case(CASE, {})
+    walls = case.fluid.wall_velocity.given()
+    high, low = (walls[f"z_{side}"].at(0.0)[0] for side in ("high", "low"))
+    assert (high - low) / case.domain.lengths[2] == pytest.approx(RATE)
+    assert case.domain.lengths[2] == HEIGHT
+    ratio = case.particles[0].permittivity / case.electric.permittivity
+    assert 2.0 * ((ratio - 1.0) / (ratio + 2.0)) ** 2 == pytest.approx(FACTOR)
+    field = case.electric.electrodes.high / HEIGHT
+    assert f"Mn = {mason(field):.2g}" in case.title
+
+
+def test_the_slope_is_that_of_what_the_field_adds():
+    number = np.array([0.01, 1.0, 0.1, 100.0])
+    # What is left of the field at Mn = 100 is a hundredth of what it adds at 1.
+    assert slope({"Mn": number, "wall": 1.25 + 0.3 / number}) == pytest.approx(-1.0, abs=0.01)
+    assert slope({"Mn": number, "wall": 1.25 + 0.3 / number**2}) == pytest.approx(-2.0, abs=0.01)
+
+
+@pytest.mark.slow
+def test_the_viscosity_falls_as_one_over_mn():
+    study = run()
+    assert study.agrees
+    curve = study.curves["viscosity"]
+    falling = curve["wall"][np.argsort(curve["Mn"])]
+    # The last two differ by less than the noise of one small box.
+    assert np.all(np.diff(falling) < 0.03)
+    assert all(picture.png for picture in study.pictures)
