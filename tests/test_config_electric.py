@@ -2,6 +2,7 @@
 
 import pytest
 
+import smoothprofile as sp
 from case_makers import refusal, small_case
 from smoothprofile.config import load_case
 
@@ -119,3 +120,14 @@ def test_neither_fluid_nor_field_is_refused():
     case = field_case()
     del case["electric"]
     assert "a case needs [fluid] with density and viscosity, or [electric]" in refusal(case)
+
+
+def test_a_free_box_in_a_field_is_refused_and_a_held_one_warned_of():
+    box = {"shape": "box", "sides": [1, 1, 1], "position": [0, 0, 0], "permittivity": 5.0}
+    case = field_case(particles=[box])
+    checks = {row["name"]: row for row in sp.Electrostatics.from_file(case).preflight()}
+    assert checks["bodies with edges"]["verdict"] == "warn"
+    flow = {"fluid": {"density": 1, "viscosity": 1}, "time": {"end": 1}}
+    moving = {**case, **flow, "profile": {"thickness": 0.2}}
+    moving["particles"] = [{**box, "motion": "free", "density": 1.0}]
+    assert 'particles.0.shape is "box"; a field turns it wrongly' in refusal(moving)

@@ -68,6 +68,11 @@ def test_a_field_along_a_cylinder_is_not_disturbed(axis):
     assert tensor[axis, axis] == pytest.approx(1 + 9 * np.pi / 16, rel=0.1)
 
 
+def test_one_cell_is_refused_in_one_sentence():
+    with pytest.raises(sp.CaseError, match="take smaller cells"):
+        run({"domain.cells": [1, 1, 1]})
+
+
 CENTRED = [
     {"shape": "sphere", "radius": 0.7},
     {"shape": "ellipsoid", "radii": [0.9, 0.9, 1.4]},

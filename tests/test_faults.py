@@ -1,9 +1,10 @@
-"""Runs that are killed, disks that fill up, checkpoints that rot: what is left and said."""
+"""Runs that are killed, disks that fill up: what is left and what is said."""
 
 import errno
 import multiprocessing
 import os
 import random
+import resource
 import shutil
 import signal
 import time
@@ -22,6 +23,7 @@ from smoothprofile.runrecord import read_run
 from test_resume import body, box, touching
 
 CALLS = ("write", "fsync", "replace", "open", "ftruncate")
+HANGS = 120.0
 FAULTS = (errno.ENOSPC, errno.EACCES, errno.EIO)
 
 
@@ -48,20 +50,25 @@ def children():
     return context
 
 
-def spm_run(children, case, path, seconds=None) -> int:
-    """`spm run` in a process of its own, killed after so many seconds; its exit status."""
-    child = children.Process(target=warmed_run, args=(str(case), str(path)))
+def spm_run(children, case, path, seconds=None, largest=None) -> int:
+    """`spm run` in a process of its own, killed after so many seconds; its exit status.
+
+    largest: bytes that no file may exceed, by the system's own limit.
+    """
+    child = children.Process(target=warmed_run, args=(str(case), str(path), largest))
     child.start()
-    child.join(seconds)
+    child.join(HANGS if seconds is None else seconds)
     if child.is_alive():
         child.kill()
         child.join()
     return child.exitcode
 
 
-def warmed_run(case, path):
+def warmed_run(case, path, largest):
     import warmed
 
+    if largest is not None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (largest, resource.RLIM_INFINITY))
     warmed.spm_run(case, path)
 
 
@@ -227,3 +234,24 @@ def test_every_write_of_a_run_may_fail(tmp_path, spm):
 
 def test_writes_may_fail(tmp_path, spm):
     every_fault(tmp_path, spm, 47, FAULTS[:1])
+
+
+@pytest.mark.parametrize("largest", [0, 700, 3000, 20_000])
+def test_files_that_may_not_grow_stop_a_run_by_name(children, tmp_path, largest):
+    """The system itself refuses, in libraries too: no signal, no traceback, nothing lost."""
+    case = case_file(tmp_path, checkpoint_every=1e9)
+    assert spm_run(children, case, tmp_path / "run", largest=largest) == 2
+    assert spm_run(children, case, tmp_path / "whole") == 0
+    if not (tmp_path / "run" / "case.toml").exists():
+        shutil.rmtree(tmp_path / "run")
+    assert spm_run(children, case, tmp_path / "run") == 0
+    assert files_digest(tmp_path / "run") == files_digest(tmp_path / "whole")
+
+
+def test_a_run_goes_on_without_room_for_its_checkpoints(children, tmp_path):
+    case = case_file(tmp_path)
+    assert spm_run(children, case, tmp_path / "run", largest=100_000) == 0
+    assert not (tmp_path / "run" / NEWEST).exists()
+    assert spm_run(children, case, tmp_path / "whole") == 0
+    assert (tmp_path / "whole" / NEWEST).stat().st_size > 100_000
+    assert files_digest(tmp_path / "run") == files_digest(tmp_path / "whole")

@@ -243,3 +243,23 @@ def test_check_and_summary_tell_the_numbers(tmp_path):
     rows = {name: value for name, value, _ in run.table()}
     assert rows["Mn"] == "0.123457"
     assert np.isclose(float(rows["β"]), BETA)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"particles": 3}, "particles is 3; it must be a list of tables"),
+        ({"particles": [3]}, "particles.0 is 3; it must be a table"),
+        ({"electric": 3}, "electric is 3; it must be a table"),
+        ({"fluid": 3}, "fluid is 3; it must be a table"),
+        ({"domain": 3}, "domain is 3; it must be a table"),
+        ({"numbers": 3}, "numbers is 3; it must be a table"),
+        ({"electric": {"electrodes": {"axis": "z", "low": "a"}}}, "electric.electrodes"),
+        ({"electric": {"electrodes": {"axis": ["z"]}}}, "electric.electrodes.axis"),
+        ({"electric": {"electrodes": {"axis": "z", "high": 1}, "permittivity": "a"}}, "permitt"),
+        ({"fluid": {"density": "a"}}, 'fluid.density is "a"; it must be a finite number above 0.'),
+    ],
+)
+def test_cases_that_are_no_cases_are_refused_with_numbers_too(changes, sentence):
+    numbers = {"Re": 1.0, "Mn": 1.0, "R": 4.0, "density_ratio": 1.0, "volume_fraction": 0.1}
+    assert sentence in refusal({**shear_cell(), "numbers": numbers, **changes})

@@ -16,8 +16,8 @@ from smoothprofile import report, webpage
 from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.figures import PALETTE
 from smoothprofile.output import RunDirectory
-from smoothprofile.runrecord import read_run
 from smoothprofile.plots import pictures
+from smoothprofile.runrecord import read_run
 from test_output import CASE, FakeSimulation, write_run
 
 REFERENCE = {

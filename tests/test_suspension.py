@@ -10,10 +10,10 @@ from coupled import simulation, sphere, steps
 from smoothprofile import rotations, shapes
 from smoothprofile.errors import CaseError
 from smoothprofile.output import RunDirectory
-from smoothprofile.runrecord import read_run
 from smoothprofile.particles.bodies import bodies_at
 from smoothprofile.particles.inertia import DisplacedFluid
 from smoothprofile.particles.stress import components, displaced_moments, stresslets
+from smoothprofile.runrecord import read_run
 from smoothprofile.studies.viscosity import lattice
 from smoothprofile.suspension import effective_viscosity
 

@@ -7,6 +7,8 @@ import os
 import tempfile
 from pathlib import Path
 
+from numba.np.ufunc import parallel
+
 from restarts import run_stopping
 from smoothprofile import running
 from smoothprofile.cli import app
@@ -21,5 +23,7 @@ def spm_run(case: str, path: str) -> None:
     quiet = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(quiet, stream)
+    # A sibling that was killed may have died holding the lock that all of them share.
+    parallel._backend_init_process_lock = None
     running.write_report = lambda directory: directory / "report.html"
     app(["run", case, "--out", path, "--resume-if-exists"])

@@ -171,6 +171,25 @@ def resume(
 
 
 @app.command()
+def rerun(
+    directory: Annotated[Path, typer.Argument(metavar="DIRECTORY", help="A run directory.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIRECTORY", help="The new one; DIRECTORY-again if left out."),
+    ] = None,
+    threads: Threads = None,
+    json: Json = False,
+) -> None:
+    """Repeat a run that has ended, and compare the two bit by bit."""
+    with exit_codes(json):
+        from smoothprofile.running import repeat
+
+        check_free(out, "output directory")
+        _use(threads)
+        repeat(directory, out, json)
+
+
+@app.command()
 def report(
     directory: Annotated[Path, typer.Argument(metavar="DIRECTORY", help="A run directory.")],
     out: Annotated[

@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from smoothprofile.assembly import layer_thickness, starting_state
-from smoothprofile.config import AXES, SPECTRAL, Case, build_shape
+from smoothprofile.config import AXES, SPECTRAL, Case, build_shape, has_edges
+from smoothprofile.electric.medium import widest_cell
 from smoothprofile.grid import Grid
 from smoothprofile.preflight import Check, check_row, disk_check, memory_check, refuse
 
@@ -21,7 +22,8 @@ SPECTRAL_FIELDS = 22
 def field_checks(case: Case, grid: Grid) -> list[Check]:
     """Every check of a case with [electric] alone."""
     found = _resolution(case, grid) if case.particles else []
-    return [*found, *_electrodes(case, grid), _memory(case), disk_check(case, grid, 1)]
+    found += _edges(case) + _electrodes(case, grid)
+    return [*found, _memory(case), disk_check(case, grid, 1)]
 
 
 def check_field_memory(case: Case) -> None:
@@ -36,7 +38,7 @@ def _memory(case: Case) -> Check:
 
 def _resolution(case: Case, grid: Grid) -> list[Check]:
     xi = layer_thickness(case.electric, grid)
-    cell = max(float(axis.widths.max()) for axis in grid.axes if axis.cells > 1)
+    cell = widest_cell(grid)
     smallest = min(particle.thinnest[1] for particle in case.particles)
     rows = []
     if math.isfinite(smallest):
@@ -55,6 +57,18 @@ def _resolution(case: Case, grid: Grid) -> list[Check]:
     contrast = max(p.permittivity for p in case.particles) / case.electric.permittivity
     note = "largest permittivity of a body over that of the fluid"
     return [*rows, check_row("permittivity ratio", contrast, None, "ok", note)]
+
+
+def _edges(case: Case) -> list[Check]:
+    """Bodies whose torque by virtual work is not to be trusted."""
+    edged = [particle.name for particle in case.particles if has_edges(particle)]
+    if not edged:
+        return []
+    note = (
+        f"bodies with edges, such as {edged[0]}: take force and torque of the Maxwell stress, "
+        "for those by virtual work are not usable"
+    )
+    return [check_row("bodies with edges", len(edged), 0, "warn", note)]
 
 
 def _electrodes(case: Case, grid: Grid) -> list[Check]:

@@ -113,7 +113,7 @@ def pair_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any])
         title="Turn of their line", xlabel="t (time)", ylabel="angle (degrees)",
         ylim=(0, max(1.0, 1.05 * angle.max())),
     )  # fmt: skip
-    gaps.legend()
+    figure.legend(loc="outside lower center", ncols=4)
     return Picture("pair", "The pair: how far apart, and how turned.", figure, wide=True)
 
 

@@ -6,6 +6,7 @@
     particles.csv   one row per recorded step and particle
     trajectory.gsd  one frame per recorded step, if bodies move (see trajectories.py)
     fields.h5       snapshots of the fields (see fields.py)
+    postmortem.h5   the flow at the step that blew up, if one did
     summary.json    the result in one object
     lines.csv, structure.csv, plane.npz: at the end (see samples.py)
 
@@ -182,26 +183,43 @@ class RunDirectory:
 
         OutputError if it cannot be written; the one before then stands.
         """
-        self._last_checkpoint = clock.monotonic()
-        tree = {"simulation": simulation.saved(), "directory": self.saved()}
-        write_checkpoint(self.path, self._case_toml, tree)
-        self.checkpoint_at = simulation.moment
+        self._write_checkpoint(simulation, self.saved())
 
     def checkpoint_if_due(self, simulation: Any) -> None:
         """A checkpoint if the last one is old enough; if it cannot be written, the run goes on.
 
-        It does not if the directory is gone: OutputError.
+        OutputError if what was written before is not safe, or if the directory is gone.
         """
         due = simulation.case.output.checkpoint_every
         if simulation.status != "running" or clock.monotonic() - self._last_checkpoint < due:
             return
+        files = self.saved()
         try:
-            self.checkpoint(simulation)
+            self._write_checkpoint(simulation, files)
         except OutputError as error:
             if not (self.path / "case.toml").is_file():
                 raise
-            last = f"the one at {self.checkpoint_at} stands" if self.checkpoint_at else "none is"
-            self._tell(f"{error} The run goes on, and will try again; until then {last}.")
+            last = f"the one at {self.checkpoint_at}" if self.checkpoint_at else "the start"
+            self._tell(
+                f"{error} The run goes on and will try again; a resumed one begins at {last}."
+            )
+
+    def _write_checkpoint(self, simulation: Any, files: Mapping[str, Any]) -> None:
+        self._last_checkpoint = clock.monotonic()
+        tree = {"simulation": simulation.saved(), "directory": files}
+        write_checkpoint(self.path, self._case_toml, tree)
+        self.checkpoint_at = simulation.moment
+
+    def postmortem(self, simulation: Any) -> None:
+        """postmortem.h5: the flow at the step that blew up, in double precision."""
+        path = self.path / "postmortem.h5"
+        try:
+            path.unlink(missing_ok=True)
+            file = FieldsFile(path, simulation.grid, precision="double")
+            names = ("velocity", "pressure", "indicator")
+            file.append(simulation.time, {name: getattr(simulation, name) for name in names})
+        except (OSError, OutputError) as error:
+            self._tell(str(error))
 
     def __enter__(self) -> "RunDirectory":
         return self

@@ -25,8 +25,8 @@ from smoothprofile.motion_plots import (
     spin_picture,
 )
 from smoothprofile.plane_plots import plane_pictures
-from smoothprofile.structure_plots import structure_pictures
 from smoothprofile.runrecord import RunRecord
+from smoothprofile.structure_plots import structure_pictures
 
 # A force this small beside the torque, both in the case's own units, is none.
 ROUND_OFF = 1e-9

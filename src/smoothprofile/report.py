@@ -51,6 +51,7 @@ def page(record: RunRecord, drawn: Sequence[Picture], reference: Mapping[str, An
         webpage.section("Result", _result(record)),
         webpage.section("Beside the reference", _beside(record, reference)),
         webpage.section("Figures", webpage.figures(drawn)),
+        webpage.section("Error card", _error_card(record)),
         webpage.section("Resolution", _resolution(record)),
         webpage.section("Preliminary runs", _preliminary(record)),
         webpage.section("Particles", _bodies(record)),
@@ -215,6 +216,14 @@ def _resolution(record: RunRecord) -> str:
     ]
     heads = ("check", "value", "limit or best", "verdict", "")
     return webpage.table(heads, checks, numbers={1, 2})
+
+
+def _error_card(record: RunRecord) -> str:
+    rows = [
+        (line["name"], webpage.number(line["value"]), line["verdict"], line["note"])
+        for line in record.summary.get("error_card", ())
+    ]
+    return webpage.table(("what", "value", "verdict", ""), rows, numbers={1})
 
 
 def _preliminary(record: RunRecord) -> str:

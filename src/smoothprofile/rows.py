@@ -7,6 +7,7 @@ import numpy as np
 from smoothprofile import sampling, structure, suspension, wall_stress
 from smoothprofile.numbers import numbers_of
 from smoothprofile.particles.stress import components
+from smoothprofile.selfcheck import error_card
 
 if TYPE_CHECKING:
     from smoothprofile.simulation import Simulation
@@ -37,6 +38,7 @@ def totals(run: "Simulation") -> dict[str, Any]:
         **run.action.history(),
         **structure.history_row(run),
         "numbers": numbers_of(run.case, fastest(run)),
+        "error_card": error_card(run),
     }
 
 

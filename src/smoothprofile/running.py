@@ -4,11 +4,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import typer
+
 from smoothprofile.checkpoint import has_checkpoint, read_checkpoint
 from smoothprofile.config import load_case
-from smoothprofile.console import Watcher, leave, print_json, print_table, say
+from smoothprofile.console import BLEW_UP, Watcher, leave, print_json, print_table, say
 from smoothprofile.errors import BlowUpError, CaseError, OutputError, StoppedError
 from smoothprofile.output import RunDirectory, next_free_directory
+from smoothprofile.repeating import OTHER, check_repeatable, compared
 from smoothprofile.report import write_report
 from smoothprofile.runrecord import read_json
 from smoothprofile.runs import Run, run_of
@@ -46,6 +49,28 @@ def go_on(path: Path, json: bool) -> None:
     _tell(simulation, path, ended, json)
 
 
+def repeat(path: Path, out: Path | None, json: bool) -> None:
+    """Run the case of a directory again in a new one, and compare. Exit code 3 if bits differ."""
+    for remark in check_repeatable(path):
+        say(f"Note: {remark}; bits may differ.")
+    case = load_case(path / "case.toml", {"output.stop_after": None})
+    with Watcher(quiet=json) as watcher:
+        simulation = run_of(case)
+        new = out or next_free_directory(path.parent, f"{path.name}-again")
+        directory = RunDirectory(new, simulation.case.to_toml(), simulation.preflight(), say)
+        ended = _run(simulation, directory, watcher)
+    if isinstance(ended, BaseException):
+        leave(ended, json, new, _report(new))
+    found = compared(path, new)
+    if json:
+        print_json({"directory": str(new), "compared": found})
+    else:
+        print_table(f"{path} and {new}", ("file", "verdict"), list(found.items()))
+    if OTHER in found.values():
+        say(f"The run in {new} differs from that in {path}.")
+        raise typer.Exit(BLEW_UP)
+
+
 def taken_up(path: Path, tell: Callable[[str], None]) -> tuple[Run, RunDirectory]:
     """A run as its last checkpoint left it, or as it was at its start if it left none.
 
@@ -77,12 +102,22 @@ def _run(simulation: Run, directory: RunDirectory, watcher: Watcher) -> Any:
 
         try:
             with directory:
-                simulation.run(observe)
+                _watched(simulation, directory, observe)
                 return directory.finish(simulation)
         except OutputError as error:
             return OutputError(f"{str(error).rstrip('.')}; {_goes_on(directory)}.")
         except (BlowUpError, KeyboardInterrupt, StoppedError) as error:
             return error
+
+
+def _watched(simulation: Run, directory: RunDirectory, observe: Callable[[Run], None]) -> None:
+    """Run to the end; of a run that blows up the fields are kept."""
+    try:
+        simulation.run(observe)
+    except BlowUpError:
+        if simulation.case.time is not None:
+            directory.postmortem(simulation.under_way)
+        raise
 
 
 def _stop(simulation: Run, directory: RunDirectory, why: str) -> None:

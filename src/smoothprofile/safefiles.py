@@ -76,8 +76,13 @@ def hdf5_on(disk: "DiskFile") -> Iterator[h5py.File]:
     HDF5 cannot close a file whose writes fail, and brings the process down when it ends.
     """
     disk.keep_errors = True
-    with h5py.File(disk, "w") as file:
-        yield file
+    try:
+        with h5py.File(disk, "w") as file:
+            yield file
+    except (OSError, RuntimeError):
+        # What HDF5 says of a file that it cannot read back is not what is wrong.
+        if disk.error is None:
+            raise
     disk.keep_errors = False
     if disk.error:
         raise disk.error

@@ -21,14 +21,16 @@ from smoothprofile.assembly import (
     build_particles,
     initial_state,
 )
+from smoothprofile.blowup import watch_flow
 from smoothprofile.boundaries import fill_ghosts, pressure_boundary
 from smoothprofile.config import Case, build_shape, load_case
 from smoothprofile.coupling import coupling_named, set_out
 from smoothprofile.errors import CaseError
-from smoothprofile.flow.monitor import Extremes, watch
+from smoothprofile.flow.monitor import Extremes
 from smoothprofile.grid import AXIS_NAMES, interior
 from smoothprofile.pairing import expected_speed, pair
 from smoothprofile.particles.motion import Course
+from smoothprofile.particles.watch import BodyWatch
 from smoothprofile.preflight import Check, check_memory, checks, refuse
 from smoothprofile.preliminary import PreliminaryRuns
 from smoothprofile.rows import body_rows, history_row, totals
@@ -62,6 +64,9 @@ class Simulation:
             case, self.flow, self.pairing.step, speed, self._by_number(), self.action
         )
         set_out(self.flow, self.bodies, self.state)
+        names = [particle.name for particle in case.particles]
+        extents = self.bodies.painter.forms.extents
+        self._watch_bodies = BodyWatch(self.grid, self.bodies.free.rows, extents, names)
         self._couple = coupling_named(case.time.coupling)
         self.status = "running"
         self.wall_seconds = 0.0
@@ -95,10 +100,15 @@ class Simulation:
     @property
     def moment(self) -> str:
         """Where the run is, in words."""
-        before = self._stages.current
-        if before is None:
-            return f"step {self.steps}"
-        return f"step {before.steps} of preliminary run {len(self.preliminary) + 1}"
+        where = f"step {self.under_way.steps}"
+        if self.under_way is self:
+            return where
+        return f"{where} of preliminary run {len(self.preliminary) + 1}"
+
+    @property
+    def under_way(self) -> "Simulation":
+        """The preliminary run that is being made, or this one."""
+        return self._stages.current or self
 
     @property
     def preliminary(self) -> list[dict[str, Any]]:
@@ -124,7 +134,8 @@ class Simulation:
         self._threads.begin()
         began = clock.perf_counter()
         self._couple(self.flow, self.bodies, self.state, self.time_step)
-        watch(self.grid, self.state, self.extremes, self.time_step, self.case.fluid.advection)
+        watch_flow(self)
+        self._watch_bodies(self.bodies.state.position, self.time, self.time_step)
         self.status = self._decide()
         if self.steps % self.case.output.every == 0 or self.status != "running":
             self._record()

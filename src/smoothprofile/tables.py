@@ -105,7 +105,7 @@ def _of_body(body: dict, free: bool, vector: Callable) -> list[tuple[str, str, s
     rows = [
         (f"force on {name}", vector(body["force"]), ""),
         (f"torque on {name}", vector(body["torque"]), "about its position"),
-        (f"surface of {name}", f"{body['painted_offset']:+.5f}", "painted outward by"),
+        (f"surface of {name}", f"{body['painted_offset']:+.5g}", "painted outward by"),
     ]
     if free:
         rows.insert(0, (f"velocity of {name}", vector(body["velocity"]), "at the end"))

@@ -19,6 +19,8 @@ VERDICTS = {
     "blew_up": "bad",
     "failed": "bad",
     "refuse": "bad",
+    "green": "good",
+    "red": "bad",
 }
 
 _PAGE = Template(files("smoothprofile").joinpath("page.html").read_text(encoding="utf-8"))

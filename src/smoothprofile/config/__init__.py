@@ -2,7 +2,7 @@
 
 from smoothprofile.config.case import Case, Profile, Start, Time
 from smoothprofile.config.domain import Domain, Faces, Focus
-from smoothprofile.config.electric import SPECTRAL, Electric
+from smoothprofile.config.electric import SPECTRAL, Electric, has_edges
 from smoothprofile.config.fluid import Fluid, MeanVelocity, WallVelocity
 from smoothprofile.config.output import Line, Output, PlaneCut, WallLine
 from smoothprofile.config.particle import Particle, Solid, body_shape, build_shape, start_position
@@ -32,6 +32,7 @@ __all__ = [
     "WallVelocity",
     "body_shape",
     "build_shape",
+    "has_edges",
     "load_case",
     "start_position",
 ]

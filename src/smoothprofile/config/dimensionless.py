@@ -95,9 +95,9 @@ def _table(data: dict, key: str) -> bool:
 def _missing(data: dict, wanted: Numbers) -> list[str]:
     """Which of density, viscosity, rate and field the numbers have to give."""
     given = [name for name in ("Re", "Mn") if getattr(wanted, name) is not None]
-    if not given:
+    fluid = data.get("fluid", {})
+    if not given or not isinstance(fluid, dict):
         return []
-    fluid = data["fluid"] if _table(data, "fluid") else {}
     missing = [key for key in ("density", "viscosity") if key not in fluid]
     if "Mn" in given and _table(data, "electric") and not _has_field(data["electric"]):
         missing.append("field")
@@ -136,8 +136,9 @@ def _filled(data: dict, wanted: Numbers, values: dict[str, float]) -> dict:
         data["fluid"] = fluid
     if "field" in values:
         data["electric"] = _with_field(data, values["field"])
-    if wanted.density_ratio is not None and is_finite(fluid.get("density")):
-        bodies, density = data.get("particles", []), wanted.density_ratio * fluid["density"]
+    bodies, density = data.get("particles"), fluid.get("density")
+    if wanted.density_ratio is not None and is_finite(density) and isinstance(bodies, list):
+        density *= wanted.density_ratio
         free = [isinstance(body, dict) and body.get("motion") == "free" for body in bodies]
         pairs = zip(bodies, free, strict=True)
         data["particles"] = [{"density": density, **b} if is_free else b for b, is_free in pairs]
@@ -151,7 +152,8 @@ def _with_field(data: dict, field: float) -> dict:
     axis = AXES.index(ends["axis"]) if ends.get("axis") in AXES else axis
     if axis is None:
         return {**electric, "field": [0.0, 0.0, field]}
-    high = ends.get("low", 0.0) + field * data["domain"]["lengths"][axis]
+    low = ends["low"] if is_finite(ends.get("low")) else 0.0
+    high = low + field * data["domain"]["lengths"][axis]
     return {**electric, "electrodes": {"axis": AXES[axis], **ends, "high": high}}
 
 

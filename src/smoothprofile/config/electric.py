@@ -35,6 +35,11 @@ def _profile(value: Any) -> str:
     return value
 
 
+def has_edges(particle: Particle) -> bool:
+    """Whether a body has edges, about which a smoothed layer's normal turns within a cell."""
+    return particle.shape in ("box", "cylinder", "union") and particle.bounded
+
+
 class Electrodes(Table):
     """electric.electrodes: the two walls of an axis, each held at a potential."""
 
@@ -139,6 +144,10 @@ class Electric(Table):
             self._check_spectral(domain)
         for number, particle in enumerate(particles):
             self._check_body(number, particle)
+            if particle.motion == "free" and has_edges(particle):
+                key = f"particles.{number}.shape"
+                allowed = "a field turns it wrongly about its edges; only round bodies move in one"
+                raise Refusal(key, particle.shape, allowed)
 
     def _check_time(self, flows: bool) -> None:
         if self.angular_frequency is None and any(self.quadrature):

@@ -38,7 +38,9 @@ def place_randomly(
     balls = _balls(table, radii, shape, float(np.prod(high - low)), generator, key)
     turns = normalise(generator.normal(size=(len(balls), 4)))
     room = _room(table, domain, low, high, balls, standing)
-    inflated = float(np.sum(4.0 / 3.0 * np.pi * (balls + 0.5 * table.gap) ** 3))
+    # What is too large for any number is too large for the room.
+    with np.errstate(over="ignore"):
+        inflated = float(np.sum(4.0 / 3.0 * np.pi * (balls + 0.5 * table.gap) ** 3))
     amount = "count" if table.count is not None else "volume_fraction"
     share = inflated / float(np.prod(high - low))
     found = None

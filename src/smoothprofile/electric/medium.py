@@ -57,10 +57,14 @@ def dielectric_medium(
 
 
 def default_thickness(grid: Grid) -> float:
-    """ξ = .75Δx of the widest cell, along axes that have more than one."""
-    return CELLS * max(
-        float(axis.widths.max()) for axis in grid.axes if axis.cells > 1 or not axis.periodic
-    )
+    """ξ = .75Δx of the widest cell."""
+    return CELLS * widest_cell(grid)
+
+
+def widest_cell(grid: Grid) -> float:
+    """Along axes that have more than one; of a grid of one cell, its longest side."""
+    axes = [axis for axis in grid.axes if axis.cells > 1 or not axis.periodic] or grid.axes
+    return max(float(axis.widths.max()) for axis in axes)
 
 
 def surface_offset(

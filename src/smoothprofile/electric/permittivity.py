@@ -38,8 +38,8 @@ from smoothprofile.profiles import TANH, Profile
 Smoothing = Literal["arithmetic", "harmonic", "tensor"]
 SMOOTHINGS = ("arithmetic", "harmonic", "tensor")
 
-TAIL = 5e-4
-"""Relative jump of ε or 1/ε at which the tails of tanh are cut: it moves a force by 2e-4."""
+TAIL = 1e-4
+"""Relative jump of ε or 1/ε at which the tails of tanh are cut: it moves a force by 5e-5."""
 GAP = 8
 """Corners without a layer between two runs that are worth two loops."""
 
