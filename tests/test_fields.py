@@ -144,6 +144,43 @@ def test_file_is_complete_after_each_snapshot(tmp_path, stretched):
             assert opened.sizes["time"] == number
 
 
+def test_many_snapshots_are_put_together_and_cut_back(tmp_path, monkeypatch):
+    """Files of three here; what is read is the same at any number, and after any cut."""
+    monkeypatch.setattr("smoothprofile.fields.TOGETHER", 3)
+    grid, path = make_grid(stretched=False), tmp_path / "fields.h5"
+    file = FieldsFile(path, grid, precision="double")
+
+    def assert_holds(count):
+        with h5py.File(path) as opened:
+            assert list(opened["time"]) == [float(n) for n in range(count)]
+            for n in range(count):
+                assert np.array_equal(opened["pressure"][n].T, snapshot(grid, n)["pressure"])
+        assert not list(tmp_path.glob("**/*.new"))
+
+    for number in range(8):
+        file.append(float(number), snapshot(grid, number))
+        assert_holds(number + 1)
+    names = sorted(entry.name for entry in (tmp_path / "fields").iterdir())
+    assert names[:2] == ["000000-000002.h5", "000003-000005.h5"] and len(names) == 4
+    for count in (7, 5, 2, 1):
+        again = FieldsFile(path, grid, precision="double")
+        again.cut_back([float(n) for n in range(count)], ("velocity", "pressure"))
+        assert_holds(count)
+    for number in range(1, 5):
+        again.append(float(number), snapshot(grid, number))
+        assert_holds(number + 1)
+
+
+def test_a_missing_part_reads_as_nothing_and_is_refused_to_go_on_with(tmp_path):
+    grid, path = make_grid(stretched=False), tmp_path / "fields.h5"
+    write(path, grid)
+    (tmp_path / "fields" / "000001-000001.h5").unlink()
+    with h5py.File(path) as opened:
+        assert np.isnan(opened["pressure"][1]).all() and not np.isnan(opened["pressure"][2]).any()
+    with pytest.raises(CaseError, match="holds fewer snapshots"):
+        FieldsFile(path, grid).cut_back(TIMES, ("velocity", "pressure"))
+
+
 def test_a_viewer_that_holds_the_file_does_not_stop_the_run(tmp_path):
     grid, path = make_grid(stretched=False), tmp_path / "fields.h5"
     file = FieldsFile(path, grid)

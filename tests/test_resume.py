@@ -1,5 +1,6 @@
 """A run that was stopped ends with the bits of one that was not: state and files."""
 
+import json
 from itertools import pairwise, product
 
 import pytest
@@ -297,3 +298,36 @@ def test_a_run_killed_before_its_first_row_goes_on(tmp_path):
         directory.finish(simulation)
     assert state_digest(simulation) == state_digest(whole)
     assert files_digest(tmp_path / "killed") == files_digest(tmp_path / "whole")
+
+
+@pytest.mark.parametrize("left", [(), ("lock",), ("lock", "run.json", "case.toml.new")])
+def test_a_directory_whose_run_had_not_begun_is_begun(spm, tmp_path, monkeypatch, left):
+    monkeypatch.setattr("smoothprofile.running.write_report", lambda path: path / "report.html")
+    (tmp_path / "run").mkdir()
+    for name in left:
+        (tmp_path / "run" / name).write_text("{}")
+    text = load_case(box(time={"max_steps": 2})).to_toml()
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    assert spm("run", "case.toml", "--out", "run", "--resume-if-exists")[0] == 0
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "mine.txt").write_text("mine")
+    code, _, err = spm("run", "case.toml", "--out", "other", "--resume-if-exists")
+    assert code == 2 and "not a run directory" in err
+    assert (tmp_path / "other" / "mine.txt").read_text() == "mine"
+
+
+def test_a_repeated_run_is_compared_bit_by_bit(spm, tmp_path, monkeypatch):
+    monkeypatch.setattr("smoothprofile.running.write_report", lambda path: path / "report.html")
+    text = load_case(box(body([3.0, 3.0, 3.0], "free"), time={"max_steps": 3})).to_toml()
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    assert spm("run", "case.toml", "--out", "run")[0] == 0
+    code, out, _ = spm("rerun", "run", "--json")
+    assert code == 0 and set(json.loads(out)["compared"].values()) == {"same bits"}
+    table = tmp_path / "run" / "history.csv"
+    table.write_text(table.read_text().replace("0", "5", 1))
+    code, out, err = spm("rerun", "run", "--json")
+    assert code == 3 and json.loads(out)["compared"]["history.csv"] == "differs"
+    assert "differs from that in run" in err
+    (tmp_path / "run" / "case.toml").write_text(text + "\n")
+    code, _, err = spm("rerun", "run")
+    assert code == 2 and "not the case that was run" in err

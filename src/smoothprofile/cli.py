@@ -144,11 +144,11 @@ def run(
     """Run a case; ends with a table and a report."""
     with exit_codes(json):
         from smoothprofile.config import load_case
-        from smoothprofile.running import go_on, start
+        from smoothprofile.running import start, start_or_go_on
 
-        if resume and out is not None and out.exists():
+        if resume and out is not None:
             _use(threads)
-            go_on(out, json)
+            start_or_go_on(case, lambda: load_case(case, set_ or []), out, json)
             return
         check_free(out, "output directory")
         loaded = load_case(case, set_ or [])
@@ -248,6 +248,7 @@ def study(
     """Repeat an experiment of the thesis: its numbers, the exact ones and ours."""
     with exit_codes(json):
         from smoothprofile.studies import STUDIES, study_named
+        from smoothprofile.studying import run_study
 
         if name == "list":
             entries = [{"name": key, "description": text} for key, text in STUDIES.items()]
@@ -259,35 +260,12 @@ def study(
         for key in names:
             study_named(key)
         check_free(out, "output directory")
-        found = [
-            _one_study(key, out / key if out and name == "all" else out, json) for key in names
-        ]
+        found = [run_study(key, out / key if out and name == "all" else out, json) for key in names]
         if json:
             print_json(found[0] if name != "all" else {"studies": found})
         if not all(entry["agrees"] for entry in found):
             say("Some numbers differ from what they should be: see the verdicts.")
             raise typer.Exit(3)
-
-
-def _one_study(name: str, out: Path | None, json: bool) -> dict:
-    from smoothprofile.output import next_free_directory
-    from smoothprofile.studies import study_named
-    from smoothprofile.studies.directory import as_dict, corrections, shown, write_study
-    from smoothprofile.studies.study import HEADS
-
-    if not json:
-        say(f"Running {name} …")
-    done = study_named(name)()
-    directory = out or next_free_directory("studies", name)
-    report = write_study(done, directory)
-    if not json:
-        # Remarks would leave the numbers no room on a terminal: they follow, and are in the report.
-        heads = tuple(head.replace(" or ", " or\n") for head in HEADS[:-1])
-        print_table(done.title, heads, [shown(row)[:-1] for row in done.rows], folds=HEADS[0])
-        for text in (*done.findings, *corrections(done)):
-            say(f"• {text}")
-        say(f"Everything is in {directory}; open {report}.")
-    return {**as_dict(done), "directory": str(directory), "report": str(report)}
 
 
 @app.command()

@@ -11,6 +11,7 @@ from smoothprofile.config import load_case
 from smoothprofile.console import BLEW_UP, Watcher, leave, print_json, print_table, say
 from smoothprofile.errors import BlowUpError, CaseError, OutputError, StoppedError
 from smoothprofile.output import RunDirectory, next_free_directory
+from smoothprofile.provenance import LOCK, lock, unlock
 from smoothprofile.repeating import OTHER, check_repeatable, compared
 from smoothprofile.report import write_report
 from smoothprofile.runrecord import read_json
@@ -18,6 +19,8 @@ from smoothprofile.runs import Run, run_of
 from smoothprofile.safefiles import reason
 from smoothprofile.stops import Stops
 
+UNBEGUN = {LOCK, "run.json", "run.json.new", "case.toml.new"}
+"""What may be in a directory whose run had not begun."""
 ENDED = ("finished", "steady", "max_steps")
 
 
@@ -32,6 +35,23 @@ def start(case: str, loaded: Any, out: Path | None, json: bool) -> None:
         directory = RunDirectory(path, simulation.case.to_toml(), simulation.preflight(), say)
         ended = _run(simulation, directory, watcher)
     _tell(simulation, path, ended, json)
+
+
+def start_or_go_on(case: str, loaded: Callable[[], Any], out: Path, json: bool) -> None:
+    """Run a case in a directory, or what is left of it if the directory is there.
+
+    One in which a run was killed before it had written its case is begun anew.
+    """
+    if out.is_dir() and not {entry.name for entry in out.iterdir()} - UNBEGUN:
+        held = lock(out)
+        for name in UNBEGUN - {LOCK}:
+            (out / name).unlink(missing_ok=True)
+        unlock(out, held)
+        out.rmdir()
+    if out.exists():
+        go_on(out, json)
+    else:
+        start(case, loaded(), out, json)
 
 
 def go_on(path: Path, json: bool) -> None:

@@ -1,8 +1,8 @@
 """What a run leaves at its end besides its fields: cuts through them, and pairs of beads.
 
-    lines.csv       velocity along the lines, and shear along the wall line
-    plane.npz       the fields in one plane
-    structure.csv   pairs of beads by distance, if a field moves them
+lines.csv       velocity along the lines, and shear along the wall line
+plane.npz       the fields in one plane
+structure.csv   pairs of beads by distance, if a field moves them
 """
 
 import csv
