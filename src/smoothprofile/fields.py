@@ -59,7 +59,8 @@ class FieldsFile:
         self.times, self.names = list(times), tuple(names)
         count = len(self.times)
         try:
-            self._parts = self._whole_parts(count)
+            found = self._found_parts()
+            self._parts = self._whole_parts(found, count)
             if count == 1 and not self._parts:
                 with h5py.File(self.path, "r", locking=False) as file:
                     stored = file["time"][:].tolist()
@@ -76,6 +77,9 @@ class FieldsFile:
             self._write_contents()
         else:
             self.path.unlink(missing_ok=True)
+        # Last, so that fields.h5 names no file that is not there.
+        for part in set(found) - set(self._parts):
+            part.path.unlink()
 
     def append(self, time: float, fields: Mapping[str, np.ndarray]) -> None:
         """Add one snapshot of every field: scalars (nx, ny, nz), vectors (3, nx, ny, nz).
@@ -172,9 +176,11 @@ class FieldsFile:
                 file.create_virtual_dataset(name, layout, fillvalue=np.nan)
             describe(file, self.grid, self.names)
 
-    def _whole_parts(self, count: int) -> list[Part]:
-        """The files of the first `count` snapshots, cut to that many; the others are removed."""
-        found = [self._part(*map(int, p.stem.split("-"))) for p in self.folder.glob("*-*.h5")]
+    def _found_parts(self) -> list[Part]:
+        return [self._part(*map(int, p.stem.split("-"))) for p in self.folder.glob("*-*.h5")]
+
+    def _whole_parts(self, found: Sequence[Part], count: int) -> list[Part]:
+        """The files of the first `count` snapshots; one that holds more is written anew."""
         kept: list[Part] = []
         # Where a file of many and those it was made of are both there, the many come first.
         for part in sorted(found, key=lambda part: (part.first, -part.last)):
@@ -182,9 +188,6 @@ class FieldsFile:
             if part.first == following and part.first < count:
                 cut = self._part(part.first, min(part.last, count - 1))
                 kept.append(part if part == cut else self._joined([part], cut))
-        for part in found:
-            if part not in kept:
-                part.path.unlink()
         return kept
 
 

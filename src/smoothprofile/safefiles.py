@@ -7,7 +7,7 @@ whoever reads sees the old file or the new one at every instant, also after a ki
 import errno
 import io
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -76,23 +76,23 @@ def hdf5_on(disk: "DiskFile") -> Iterator[h5py.File]:
     HDF5 cannot close a file whose writes fail, and brings the process down when it ends.
     """
     disk.keep_errors = True
-    try:
-        with h5py.File(disk, "w") as file:
-            yield file
-    except (OSError, RuntimeError):
-        # What HDF5 says of a file that it cannot read back is not what is wrong.
-        if disk.error is None:
-            raise
+    with h5py.File(disk, "w") as file:
+        yield file
     disk.keep_errors = False
     if disk.error:
         raise disk.error
 
 
 class DiskFile(io.RawIOBase):
-    """A new file, written in whole or with an OSError."""
+    """A new file, written in whole or with an OSError.
+
+    With `keep_errors` the first error is kept, and what follows happens in memory alone: whoever
+    writes finds what it wrote, and can come to its end.
+    """
 
     def __init__(self, path: Path):
         self.keep_errors, self.error = False, None
+        self._memory: io.BytesIO | None = None
         # A draft that a killed run left could be a link to what must stay as it is.
         with suppress(FileNotFoundError):
             os.unlink(path)
@@ -108,26 +108,39 @@ class DiskFile(io.RawIOBase):
         return True
 
     def readinto(self, buffer: Any) -> int:
+        if self._memory is not None:
+            return self._memory.readinto(buffer)
         return os.readv(self._handle, [buffer])
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        if self._memory is not None:
+            return self._memory.seek(offset, whence)
         return os.lseek(self._handle, offset, whence)
 
     def truncate(self, size: int | None = None) -> int:
         size = self.tell() if size is None else size
-        self._try(lambda: os.ftruncate(self._handle, size))
+        if self._memory is None:
+            try:
+                os.ftruncate(self._handle, size)
+                return size
+            except OSError as error:
+                self._go_on_in_memory(error)
+        content = self._memory.getvalue()[:size].ljust(size, b"\0")
+        position = self._memory.tell()
+        self._memory = io.BytesIO(content)
+        self._memory.seek(position)
         return size
 
     def write(self, data: Any) -> int:
         left = memoryview(data).cast("B")
         total = len(left)
-
-        def whole() -> None:
-            nonlocal left
-            while left:
+        try:
+            while left and self._memory is None:
                 left = left[os.write(self._handle, left) :]
-
-        self._try(whole)
+        except OSError as error:
+            self._go_on_in_memory(error)
+        if self._memory is not None:
+            self._memory.write(left)
         return total
 
     def flush_to_disk(self) -> None:
@@ -139,15 +152,12 @@ class DiskFile(io.RawIOBase):
             os.close(self._handle)
         super().close()
 
-    def _try(self, action: Callable[[], None]) -> None:
-        if self.error:
-            return
-        try:
-            action()
-        except OSError as error:
-            if not self.keep_errors:
-                raise
-            self.error = error
+    def _go_on_in_memory(self, error: OSError) -> None:
+        if not self.keep_errors:
+            raise error
+        self.error, position = error, os.lseek(self._handle, 0, os.SEEK_CUR)
+        self._memory = io.BytesIO(os.pread(self._handle, os.fstat(self._handle).st_size, 0))
+        self._memory.seek(position)
 
 
 def flush_directory(path: Path) -> None:
