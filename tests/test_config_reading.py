@@ -175,3 +175,8 @@ def test_toml_text_reads_back():
     table = {"a": [1, 2.5, True, "x\ty"], "b": {"c": {}, "d": [{"e": 1e-300}, {"e": [[]]}]}}
     again = tomllib.loads(document(table))
     assert again == {"a": table["a"], "b": {"d": table["b"]["d"]}}
+
+
+def test_a_table_in_a_wrong_place_is_shown_on_one_line():
+    text = refusal(small_case(sphere(shape={"\n": False})))
+    assert text.startswith('particles.0.shape is { "\\n" = false }; it must be one of')

@@ -135,7 +135,9 @@ TABLES = {
 }
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(
+    max_examples=150, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck)
+)
 @given(st.data())
 def test_any_value_at_any_key_is_taken_or_refused(data):
     case = small_case(sphere())

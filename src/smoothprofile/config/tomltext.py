@@ -4,8 +4,11 @@ Handles the values a case holds: tables with bare keys, lists, strings, numbers 
 """
 
 import json
+import re
 from collections.abc import Mapping
 from typing import Any
+
+BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def inline(value: Any) -> str:
@@ -16,11 +19,16 @@ def inline(value: Any) -> str:
         # JSON's escapes are TOML's, except that TOML also wants DEL escaped.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, Mapping):
-        pairs = ", ".join(f"{key} = {inline(item)}" for key, item in value.items())
+        pairs = ", ".join(f"{_key(key)} = {inline(item)}" for key, item in value.items())
         return f"{{ {pairs} }}" if pairs else "{}"
     if isinstance(value, list | tuple):
         return f"[{', '.join(inline(item) for item in value)}]"
     return str(value)
+
+
+def _key(name: str) -> str:
+    """A key as it is written: quoted unless it is bare."""
+    return name if BARE.fullmatch(name) else inline(name)
 
 
 def document(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> str:
