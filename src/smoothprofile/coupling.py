@@ -92,4 +92,4 @@ def settle(flow: Flow, particles: Particles, step: Step) -> None:
     particles.settle(step.velocity, step.scheme, step.dt)
     flow.hold_mean(step, mean)
     if flow.mean_flow.targets:
-        particles.settle_with(flow.mean_flow.force, step.scheme, step.dt)
+        particles.settle_with(flow.mean_flow.force)

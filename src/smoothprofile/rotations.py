@@ -89,10 +89,18 @@ def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> np.ndarray:
 
 
 def matrix(quaternion: ArrayLike) -> np.ndarray:
-    """R with R v = q v q*, shape (..., 3, 3); its columns are the body's axes in space."""
-    q = np.asarray(quaternion, dtype=np.float64)
-    columns = [rotate(q, axis) for axis in np.eye(3)]
-    return np.stack(columns, axis=-1)
+    """R with R v = q v q*, shape (..., 3, 3); its columns are the body's axes in space.
+
+    R = 1 + 2(uuᵀ − |u|² + w[u]ₓ) of a unit quaternion (w, u).
+    """
+    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
+    turn = np.empty((*w.shape, 3, 3))
+    turn[..., 0, 0], turn[..., 0, 1] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z)
+    turn[..., 1, 0], turn[..., 1, 1] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z)
+    turn[..., 2, 0], turn[..., 2, 1] = 2 * (x * z - w * y), 2 * (y * z + w * x)
+    turn[..., 0, 2], turn[..., 1, 2] = 2 * (x * z + w * y), 2 * (y * z - w * x)
+    turn[..., 2, 2] = 1 - 2 * (x * x + y * y)
+    return turn
 
 
 def _unit(values: ArrayLike, size: int, name: str) -> np.ndarray:

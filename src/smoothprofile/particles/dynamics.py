@@ -25,6 +25,7 @@ from smoothprofile.errors import CaseError
 from smoothprofile.particles.bodies import BodyState
 from smoothprofile.particles.contact import Contact, ContactHistory, driven
 from smoothprofile.particles.inertia import DisplacedFluid
+from smoothprofile.particles.rigid import advance_rotation
 from smoothprofile.schemes import Scheme
 
 LEAST_HELD = 1e-6
@@ -65,6 +66,7 @@ class FreeMotion:
         volume, inertia = displaced.volume[free.rows], displaced.inertia[free.rows]
         excess = free.density - density
         self._displaced = density * volume, density * inertia
+        self._own_inertia = free.density[:, None, None] * inertia
         self._excess = excess * volume, excess[:, None, None] * inertia
         self._take_virtual(
             np.maximum(-excess, 0.0) * volume, np.maximum(-excess, 0.0)[:, None, None] * inertia
@@ -75,12 +77,18 @@ class FreeMotion:
         self.pulls = [np.zeros_like(self.loads)]
         # What a checkpoint holds besides the bodies' own state, newest level first.
         self.past_spin: list[np.ndarray] = []
+        self.past_turning: list[np.ndarray] = []
         self.past_late: list[np.ndarray] = []
         self.contact_history = ContactHistory.none(displaced.volume.size)
         self.contact_impulses: list[np.ndarray] = []
+        # (axis, side, 3) of what contact gave the walls in the last step.
+        self.wall_impulse = np.zeros((3, 2, 3))
 
     def place(self, state: BodyState, past: list, time: float, since: float) -> None:
-        """Rⁿ⁺¹ = Rⁿ + Δt(3Vⁿ − Vⁿ⁻¹)/2 + contact, and so for the turn; past[0] is level n."""
+        """Rⁿ⁺¹ = Rⁿ + Δt(3Vⁿ − Vⁿ⁻¹)/2 + contact; past[0] is level n.
+
+        They turn as tops whose angular momentum goes on changing as it did in the step before.
+        """
         if not self.rows.size:
             return
         dt, history = time - since, self.contact_history
@@ -90,8 +98,11 @@ class FreeMotion:
         walls = self._wall_velocity(0.5 * (time + since))
         moved = self.contact.move(state.position, state.quaternion, velocity, spin, dt, walls)
         state.position[self.rows] = moved.position[self.rows]
-        state.quaternion[self.rows] = moved.quaternion[self.rows]
-        self.contact_history = moved.history
+        kicked = np.any(moved.history.spin_gain[self.rows] != 0.0, axis=1)
+        turned = self._turn(state, newer[1], dt)
+        turned[kicked] = moved.quaternion[self.rows[kicked]]
+        state.quaternion[self.rows] = turned
+        self.contact_history, self.wall_impulse = moved.history, moved.wall_impulse
         impulse = np.concatenate([moved.impulse, moved.angular_impulse], axis=1)[self.rows]
         self.contact_impulses.insert(0, impulse)
 
@@ -103,11 +114,16 @@ class FreeMotion:
 
     def remember(self, state: BodyState, levels: int) -> None:
         """Keep the angular momenta of the level that is about to become old."""
-        self.past_spin.insert(0, self._spin(state, self._inertia))
-        spin = self._spin(state, self._virtual_inertia)
-        late = [self._virtual[:, None] * state.velocity[self.rows], spin]
+        turn, rows = state.rotation[self.rows], self.rows
+        rate = np.swapaxes(turn, 1, 2) @ state.angular_velocity[rows, :, None]
+        inertias = self._inertia, self._virtual_inertia, self._own_inertia
+        spin, virtual, own = ((turn @ (inertia @ rate))[..., 0] for inertia in inertias)
+        self.past_spin.insert(0, spin)
+        self.past_turning.insert(0, own)
+        late = [self._virtual[:, None] * state.velocity[rows], virtual]
         self.past_late.insert(0, np.concatenate(late, axis=1))
         del self.past_spin[levels:], self.contact_impulses[levels:], self.past_late[levels + 1 :]
+        del self.past_turning[2:]
 
     def solve(
         self, state: BodyState, past: list, scheme: Scheme, dt: float, matrix, momentum
@@ -124,18 +140,17 @@ class FreeMotion:
         known += dt * (self.loads + new * self.pulls[0] + old * self.pulls[-1])
         known += rate * momentum[rows] + self._kick(scheme)
         known += self.late(scheme)
-        turn = state.rotation[rows]
-        found = np.linalg.solve(self._system(turn, scheme, rate, matrix), known[..., None])
+        self._system = self._system_of(state.rotation[rows], scheme, rate, matrix)
+        found = np.linalg.solve(self._system, known[..., None])
         state.velocity[rows], state.angular_velocity[rows] = found[:, :3, 0], found[:, 3:, 0]
+        self._rate = rate
 
-    def response(self, state: BodyState, scheme: Scheme, matrix, momentum) -> np.ndarray:
-        """(n,6): what velocities change by when the ∫φuˢ and ∫r×φuˢ change by `momentum` (n,6)."""
-        gain = np.zeros((state.count, 6))
+    def response(self, momentum: np.ndarray) -> np.ndarray:
+        """(n,6): what V and Ω as just solved change by when ∫φuˢ, ∫r×φuˢ do by `momentum` (n,6)."""
+        gain = np.zeros_like(momentum)
         if self.rows.size:
-            rate = self.density * scheme.gamma
-            system = self._system(state.rotation[self.rows], scheme, rate, matrix)
-            right = rate * momentum[self.rows]
-            gain[self.rows] = np.linalg.solve(system, right[..., None])[..., 0]
+            right = self._rate * momentum[self.rows]
+            gain[self.rows] = np.linalg.solve(self._system, right[..., None])[..., 0]
         return gain
 
     def late(self, scheme: Scheme) -> np.ndarray:
@@ -152,17 +167,21 @@ class FreeMotion:
         return {
             "past_spin": self.past_spin,
             "past_late": self.past_late,
+            "past_turning": self.past_turning,
             "velocity_gain": history.velocity_gain,
             "spin_gain": history.spin_gain,
             "contact_impulses": self.contact_impulses,
+            "wall_impulse": self.wall_impulse,
             "pulls": self.pulls,
         }
 
     def restore(self, saved: dict) -> None:
         """Take back what `saved` gave."""
         self.past_spin, self.past_late = list(saved["past_spin"]), list(saved["past_late"])
+        self.past_turning = list(saved["past_turning"])
         self.contact_history = ContactHistory(saved["velocity_gain"], saved["spin_gain"])
         self.contact_impulses = list(saved["contact_impulses"])
+        self.wall_impulse = saved["wall_impulse"]
         self.pulls = list(saved["pulls"])
 
     def learn(self, matrix: np.ndarray) -> None:
@@ -201,17 +220,20 @@ class FreeMotion:
             left -= weight
         return kick
 
-    def _system(self, turn: np.ndarray, scheme: Scheme, rate: float, matrix) -> np.ndarray:
+    def _system_of(self, turn: np.ndarray, scheme: Scheme, rate: float, matrix) -> np.ndarray:
         """(m,6,6): inertia beyond the displaced fluid's, and what the impulse takes."""
         system = rate * matrix[self.rows]
         system[:, :3, :3] += scheme.gamma * self._mass[:, None, None] * np.eye(3)
         system[:, 3:, 3:] += scheme.gamma * _turned(turn, self._inertia)
         return system
 
-    def _spin(self, state: BodyState, inertia: np.ndarray) -> np.ndarray:
-        """R I RᵀΩ (m,3)."""
-        turned = _turned(state.rotation[self.rows], inertia)
-        return np.einsum("nij,nj->ni", turned, state.angular_velocity[self.rows])
+    def _turn(self, state: BodyState, spin: np.ndarray, dt: float) -> np.ndarray:
+        """Quaternions (m,4) Δt later; spin (n,3) now. What contact gave goes into no torque."""
+        newer, older = self.past_turning[0], self.past_turning[-1]
+        given = self.contact_impulses[0][:, 3:] if len(self.past_turning) > 1 else 0.0
+        torque = (newer - older - given) / dt
+        quaternion, spin = state.quaternion[self.rows], spin[self.rows]
+        return advance_rotation(quaternion, spin, self._own_inertia, torque, dt)[0]
 
 
 def _flatness(inertia: np.ndarray) -> np.ndarray:
@@ -229,4 +251,4 @@ def _flatness(inertia: np.ndarray) -> np.ndarray:
 
 def _turned(turn: np.ndarray, tensor: np.ndarray) -> np.ndarray:
     """R T Rᵀ of each body."""
-    return np.einsum("nij,njk,nlk->nil", turn, tensor, turn)
+    return turn @ tensor @ np.swapaxes(turn, 1, 2)

@@ -73,16 +73,21 @@ class Impulse:
         sums = painter.sums
         matrix = np.zeros((sums.shape[0], 6, 6))
         matrix[:, range(3), range(3)] = sums[:, :, 0]
-        mixed = np.einsum("ijc,ncj->nic", _CROSS, sums[:, :, 1:4])
-        matrix[:, 3:, :3], matrix[:, :3, 3:] = mixed, np.swapaxes(mixed, 1, 2)
-        turning = np.einsum("nm,mk->nk", sums[:, :, _SECOND].reshape(-1, 27), _TURNING)
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            for a, c, sign in ((j, k, 1.0), (k, j, -1.0)):
+                mixed = sign * sums[:, c, 1 + a]
+                matrix[:, 3 + i, c], matrix[:, c, 3 + i] = mixed, mixed
+        turning = sums[:, :, _SECOND].reshape(-1, 27) @ _TURNING
         matrix[:, 3:, 3:] = turning.reshape(-1, 3, 3)
         return matrix
 
     def momentum(self, painter: Painter, fluid: np.ndarray) -> np.ndarray:
         """∫φ(u−Gr) and ∫r×φ(u−Gr) (n,6) from the moments of φu: what V and Ω have to meet."""
-        still = np.zeros((fluid.shape[0], 3))
-        return vectors(fluid - _of_motion(painter, still, self._slope(still)))
+        if self.gradient.any():
+            still = np.zeros((fluid.shape[0], 3))
+            fluid = fluid - _of_motion(painter, still, self._slope(still))
+        return vectors(fluid)
 
     def fluid_moments(self, painter: Painter, count: int, fields: dict) -> np.ndarray:
         """∫φu dV and ∫φur dV (n,3,4) of fields {component: u}; those not given are zero."""
@@ -113,15 +118,20 @@ class Impulse:
 
     def _slope(self, spin: np.ndarray) -> np.ndarray:
         """∂u_p,i/∂r_j = ε_iaj Ω_a + G_ij, (n,3,3)."""
-        return np.einsum("iaj,na->nij", _CROSS, spin) + self.gradient
+        slope = np.empty((spin.shape[0], 3, 3))
+        slope[:] = self.gradient
+        for i in range(3):
+            slope[:, i, i - 2] -= spin[:, i - 1]
+            slope[:, i, i - 1] += spin[:, i - 2]
+        return slope
 
 
 def _of_motion(painter: Painter, velocity: np.ndarray, slope: np.ndarray) -> np.ndarray:
     """∫φu_p dV and ∫φu_p r dV (n,3,4), u_p = V + A r."""
     first, second = painter.sums[:, :, 1:4], painter.sums[:, :, _SECOND]
     found = painter.sums[:, :, :4] * velocity[:, :, None]
-    found[:, :, 0] += np.einsum("nij,nij->ni", slope, first)
-    found[:, :, 1:] += np.einsum("nij,nijk->nik", slope, second)
+    found[:, :, 0] += (slope * first).sum(axis=2)
+    found[:, :, 1:] += (slope[:, :, None] @ second)[:, :, 0]
     return found
 
 
@@ -131,7 +141,8 @@ def vectors(moments: np.ndarray) -> np.ndarray:
 
 
 def _torque(moments: np.ndarray) -> np.ndarray:
-    return np.einsum("ijc,ncj->ni", _CROSS, moments[:, :, 1:])
+    m = moments[:, :, 1:]
+    return np.stack([m[:, i - 1, i - 2] - m[:, i - 2, i - 1] for i in range(3)], axis=1)
 
 
 @njit(parallel=True, cache=True)

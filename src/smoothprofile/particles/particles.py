@@ -75,15 +75,19 @@ class Particles:
         """Find the velocities of free bodies that the impulse on this fluid will leave them."""
         fields = dict(enumerate(velocity))
         self._fluid = self.impulse.fluid_moments(self.painter, self.state.count, fields)
-        self._responses: dict[int, np.ndarray] = {}
-        self._solve(scheme, dt)
+        self._responses: dict[int, tuple] = {}
+        if self.free.rows.size:
+            matrix = self.impulse.matrix(self.painter)
+            momentum = self.impulse.momentum(self.painter, self._fluid)
+            self.free.solve(self.state, self.past_velocity, scheme, dt, matrix, momentum)
 
-    def settle_with(self, force: np.ndarray, scheme: Scheme, dt: float) -> None:
-        """Once more, `force` (3,) times the responses that `added_mean` has seen being added."""
-        for component, response in self._responses.items():
-            self._fluid += force[component] * response
+    def settle_with(self, force: np.ndarray) -> None:
+        """Add `force` (3,) times the responses that `added_mean` has seen."""
+        for component, (fluid, gain) in self._responses.items():
+            self._fluid += force[component] * fluid
+            self.state.velocity += force[component] * gain[:, :3]
+            self.state.angular_velocity += force[component] * gain[:, 3:]
         self._responses = {}
-        self._solve(scheme, dt)
 
     def impose(self, velocity: tuple, scheme: Scheme, dt: float) -> None:
         """u ← u + φ(u_p − u), and the loads on the bodies."""
@@ -130,16 +134,11 @@ class Particles:
         if is_velocity:
             motion = (self.state.velocity, self.state.angular_velocity)
             return self.impulse.solid_mean(self.painter, motion, self._fluid, component)
-        fluid = self._responses[component] = self._moments_of_response(field, component)
-        motion = self._response_motion(fluid)
+        fluid = self._moments_of_response(field, component)
+        gain = self.free.response(vectors(fluid))
+        self._responses[component] = fluid, gain
+        motion = gain[:, :3], gain[:, 3:]
         return self.impulse.solid_mean(self.painter, motion, fluid, component, response=True)
-
-    def _solve(self, scheme: Scheme, dt: float) -> None:
-        if not self.free.rows.size:
-            return
-        self._scheme, self._matrix = scheme, self.impulse.matrix(self.painter)
-        momentum = self.impulse.momentum(self.painter, self._fluid)
-        self.free.solve(self.state, self.past_velocity, scheme, dt, self._matrix, momentum)
 
     def _moments_of_response(self, field: np.ndarray, component: int) -> np.ndarray:
         count, sums = self.state.count, self.painter.sums
@@ -149,12 +148,6 @@ class Particles:
         fluid = np.zeros((count, 3, 4))
         fluid[:, component] = float(field[1, 1, 1]) * sums[:, component, :4]
         return fluid
-
-    def _response_motion(self, fluid: np.ndarray) -> tuple:
-        gain = np.zeros((self.state.count, 6))
-        if self.free.rows.size:
-            gain = self.free.response(self.state, self._scheme, self._matrix, vectors(fluid))
-        return gain[:, :3], gain[:, 3:]
 
     def _changes(self, scheme: Scheme) -> list[np.ndarray]:
         """Vⁿ⁺¹ − Σα_q Vⁿ⁻q/γ and the same of Ω: γ/Δt of it is the scheme's own derivative."""
