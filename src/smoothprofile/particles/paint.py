@@ -15,7 +15,7 @@ from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState, Forms
 from smoothprofile.particles.painting import Parts, add, by_body, fill
 from smoothprofile.particles.painting import body_distance as body_distance
-from smoothprofile.particles.windows import Windows, windows_around
+from smoothprofile.particles.windows import Memory, Windows, windows_around
 from smoothprofile.particles.windows import coordinate as coordinate
 from smoothprofile.particles.windows import wrap as wrap
 from smoothprofile.profiles import Profile, profile_named
@@ -41,6 +41,7 @@ class Painter:
         f = forms
         self._parts = Parts(f.part_start, f.kind, f.size, f.place, f.turn, f.offset)
         self.windows: Windows | None = None
+        self._memory = Memory()
         self.indicator = np.empty(0, grid.dtype)
         self._painted_at: tuple[np.ndarray, np.ndarray] | None = None
 
@@ -61,10 +62,9 @@ class Painter:
         rotation = state.rotation
         balls = self._balls(rotation)
         half = np.minimum(self.half_sides(rotation), np.abs(balls[:, :3]) + balls[:, 3:])
-        w = windows_around(self.grid, self._boundaries, state.position, half, balls)
-        if self.indicator.size < w.points:
-            self.indicator = np.empty(w.points, self.grid.dtype)
-        sums = np.empty((w.task.shape[0], 10))
+        w = windows_around(self.grid, self._boundaries, state.position, half, balls, self._memory)
+        self.indicator = self._memory.take("indicator", (w.points,), self.grid.dtype)
+        sums = self._memory.take("sums", (w.task.shape[0], 10), np.float64)
         fill(
             self.indicator,
             sums,

@@ -50,18 +50,38 @@ class Windows(NamedTuple):
     most: int
 
 
+class Memory:
+    """Room for large arrays that are made anew at each step: fresh pages cost as much as the work.
+
+    What was taken under a name is lost when the name is taken again.
+    """
+
+    def __init__(self):
+        self._held: dict[str, np.ndarray] = {}
+
+    def take(self, name: str, shape: tuple[int, ...], dtype: type) -> np.ndarray:
+        """An array of that shape, with anything in it."""
+        size = math.prod(shape)
+        if name not in self._held or self._held[name].size < size:
+            self._held[name] = np.empty(size + size // 8, dtype)
+        return self._held[name][:size].reshape(shape)
+
+
 def windows_around(
     grid: Grid,
     boundaries: tuple[FieldBoundary, ...],
     position: np.ndarray,
     half: np.ndarray,
     ball: np.ndarray,
+    memory: Memory | None = None,
 ) -> Windows:
     """Windows of half sides half (n,3), possibly infinite, around bodies at position (n,3).
 
     Of a ball, only what lies less than its radius from its centre is painted: (n,4), the centre
-    counted from the position, and the radius, infinite for what is none.
+    counted from the position, and the radius, infinite for what is none. Windows live in `memory`,
+    if given, until the next ones do.
     """
+    memory = memory or Memory()
     n = position.shape[0]
     first = np.empty((n, 3, 3), dtype=np.int64)
     count, image = np.empty_like(first), np.zeros_like(first)
@@ -79,14 +99,14 @@ def windows_around(
     _measure(arm, width, first, count, image, axis, position, points, sizes, grid.lengths)
     task, group, part = _tasks(first, count, grid.shape[0])
     rows = _ends(count[task[:, 0], task[:, 1], 1])
-    spans = np.empty((rows[-1], 2), np.int32)
+    spans = memory.take("spans", (int(rows[-1]), 2), np.int32)
     sizes = np.empty((2, task.shape[0]), np.int64)
     cells = np.array(grid.shape, dtype=np.int64)
     along_z = grid.axes[2]
     step = along_z.length / along_z.cells if along_z.uniform else 0.0
     _spans(spans, sizes, task, rows, axis, first, count, arm, ball, cells, step)
     run, start = (_ends(size).astype(np.uint64) for size in sizes)
-    place, length, y, z = np.empty((4, int(run[-1])), np.uint32)
+    place, length, y, z = memory.take("runs", (4, int(run[-1])), np.uint32)
     _runs(place, length, y, z, run, spans, task, rows, axis, first, cells)
     return Windows(
         first=first,
