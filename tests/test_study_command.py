@@ -95,6 +95,16 @@ def test_nothing_is_overwritten(spm, found, tmp_path):
 def test_all_studies_have_a_folder_each(spm, found, tmp_path):
     found(1.54)
     code, out, _ = spm("study", "all", "--out", tmp_path / "all", "--json")
+    runnable = {name for name in studies.STUDIES if studies.can_run(name)}
     assert code == 0
-    assert len(json.loads(out)["studies"]) == len(studies.STUDIES)
-    assert {path.name for path in (tmp_path / "all").iterdir()} == set(studies.STUDIES)
+    assert len(json.loads(out)["studies"]) == len(runnable)
+    assert {path.name for path in (tmp_path / "all").iterdir()} == runnable
+
+
+def test_a_study_whose_needs_are_missing_is_left_out_of_all(spm, found, tmp_path, monkeypatch):
+    found(1.54)
+    monkeypatch.setattr(studies, "can_run", lambda name: name not in studies.NEEDS)
+    code, out, err = spm("study", "all", "--out", tmp_path / "all", "--json")
+    assert code == 0
+    assert "dns is left out: it needs ngsolve, which is not installed.\n" in err
+    assert len(json.loads(out)["studies"]) == len(studies.STUDIES) - len(studies.NEEDS)

@@ -9,6 +9,16 @@ from smoothprofile.studies.directory import as_dict, corrections, shown, write_s
 from smoothprofile.studies.study import HEADS
 
 
+def chosen(name: str) -> list[str]:
+    """The study of that name; of "all", those whose needs are installed, telling of the others."""
+    if name != "all":
+        return [name]
+    names = [key for key in studies.STUDIES if studies.can_run(key)]
+    for key in studies.STUDIES.keys() - names:
+        say(f"{key} is left out: it needs {studies.NEEDS[key]}, which is not installed.")
+    return names
+
+
 def run_study(name: str, out: Path | None, json: bool) -> dict:
     """Run one study into a directory, tell what it found, and return that as plain data."""
     if not json:
