@@ -98,7 +98,7 @@ class Flow:
         self._solve(state, step, pressure_weight)
         if scheme.corrected and self.parameters.advection:
             self._correct_advection(state, step, pressure_weight)
-        self._measure_walls(state, step)
+        self.measure_walls(state, step)
         return step
 
     def hold_mean(self, step: Step, mean: Mean | None = None) -> None:
@@ -212,7 +212,8 @@ class Flow:
     def _take_spare(self) -> Velocity:
         return self._spare.pop() if self._spare else zero_velocity(self.grid)
 
-    def _measure_walls(self, state: FlowState, step: Step) -> None:
+    def measure_walls(self, state: FlowState, step: Step) -> None:
+        """Keep the shear of the step's velocity on the walls; again if a load is added to it."""
         walls, mu = self.parameters.walls, self.parameters.viscosity
         theta = step.scheme.implicit
         new = viscous_forces(self.grid, walls, step.velocity, theta * mu, step.time)

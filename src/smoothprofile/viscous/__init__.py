@@ -1,0 +1,1 @@
+"""Re = 0: steady Stokes flow, with rigid particles in it."""
