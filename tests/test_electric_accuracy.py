@@ -227,7 +227,7 @@ def test_coated_sphere_by_default():
             ([sphere(1.0)], [5.597938]),
         )
     ]
-    # Measured −.32 %; the core is retracted as if in the fluid.
+    # Measured −.32 %, −.26 % with the core retracted as in its shell.
     assert dipoles[0].sum(axis=0)[0] == pytest.approx(dipoles[1][0, 0], rel=0.01)
 
 

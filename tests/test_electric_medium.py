@@ -77,7 +77,7 @@ def test_bad_permittivities_are_refused():
         with pytest.raises(CaseError, match="a permittivity is"):
             dielectric_medium(unit_cube(8), ball, [2.0], fluid=value)
     for value in (0.0, -1.0, np.nan):
-        with pytest.raises(CaseError, match=r"profile\.thickness is"):
+        with pytest.raises(CaseError, match=r"electric\.thickness is"):
             dielectric_medium(unit_cube(8), ball, [2.0], thickness=value)
     with pytest.raises(CaseError, match="1 bodies have 2 permittivities"):
         dielectric_medium(unit_cube(8), ball, [2.0, 3.0])
@@ -96,3 +96,19 @@ def test_a_mesh_has_no_permittivity(tmp_path):
     block = shapes.mesh(load_surface(tmp_path / "box.stl"))
     with pytest.raises(CaseError, match="triangulated surface"):
         dielectric_medium(unit_cube(8), [block], [4.0])
+
+
+@pytest.mark.parametrize("smoothing", ["tensor", "harmonic"])
+def test_a_core_is_painted_for_what_is_around_it(smoothing):
+    """ε = 10 in a shell of 3 in a fluid of 1: the core's contrast is 10/3."""
+    spheres = [shapes.sphere(0.4), shapes.sphere(0.3)]
+    plain, told = (
+        dielectric_medium(unit_cube(16), spheres, [3.0, 10.0], smoothing=smoothing, around=around)
+        for around in (None, [1.0, 3.0])
+    )
+    xi = CELLS / 16
+    for medium, contrast in ((plain, 10.0), (told, 10.0 / 3.0)):
+        core = surface_offset(spheres[1].parts[0], xi, contrast, "tanh", smoothing)
+        assert medium.forms.offset[1] == pytest.approx(core, abs=1e-12)
+        shell = surface_offset(spheres[0].parts[0], xi, 3.0, "tanh", smoothing)
+        assert medium.forms.offset[0] == pytest.approx(shell, abs=1e-12)

@@ -4,7 +4,19 @@ import numpy as np
 import pytest
 
 from smoothprofile.config import load_case
-from smoothprofile.studies.mason import CASE, FACTOR, HEIGHT, RATE, mason, run, slope
+from smoothprofile.studies.mason import (
+    CASE,
+    COLUMNS,
+    FACTOR,
+    FIELDS,
+    HEIGHT,
+    RATE,
+    averaged,
+    fitted_slope,
+    mason,
+    run,
+    slope,
+)
 
 
 def test_the_study_speaks_of_its_case():
@@ -24,6 +36,29 @@ def test_the_slope_is_that_of_what_the_field_adds():
     # What is left of the field at Mn = 100 is a hundredth of what it adds at 1.
     assert slope({"Mn": number, "wall": 1.25 + 0.3 / number}) == pytest.approx(-1.0, abs=0.01)
     assert slope({"Mn": number, "wall": 1.25 + 0.3 / number**2}) == pytest.approx(-2.0, abs=0.01)
+
+
+def made_up(power, noise):
+    """Runs in which the field adds Mnᵖ/40 to a viscosity of 1.35, in some starts more or less."""
+    return {
+        (field, seed): dict.fromkeys(
+            COLUMNS, RATE * (1.35 + (1.0 + noise * (seed - 2)) * mason(field) ** power / 40.0)
+        )
+        for field in FIELDS
+        for seed in (1, 2, 3)
+    }
+
+
+@pytest.mark.parametrize("power", [-1.0, -1.5])
+def test_starts_give_a_mean_and_its_error(power):
+    # What the weakest field still adds is taken for none: less than .01 in the slope.
+    assert fitted_slope(made_up(power, 0.0)) == pytest.approx((power, 0.0), abs=0.01)
+    curve = averaged(made_up(-1.0, 0.1))
+    row, added = FIELDS.index(1.3), mason(1.3) ** -1.0 / 40.0
+    assert curve["wall"][row] == pytest.approx(1.35 + added, rel=1e-12)
+    # Three starts at 0.9, 1 and 1.1 of it: σ = .1, over √3, less 2e-3 of the weakest field.
+    assert curve["wall_error"][row] == pytest.approx(0.1 * added / np.sqrt(3.0), rel=0.01)
+    assert curve["wall_error"][-1] == 0.0
 
 
 @pytest.mark.slow

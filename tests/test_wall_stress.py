@@ -106,3 +106,47 @@ def test_nothing_is_said_without_sliding_walls():
     quiet = sp.Simulation(case.model_copy(update={"fluid": fluid}))
     quiet.step_once()
     assert "wall_stress" not in quiet.history and "apparent_viscosity" not in quiet.summary()
+
+
+def rubbed(friction):
+    """A bead that a field draws to the lower of two sliding walls, three steps later."""
+    run = sheared(field=3.0)
+    bead = run.case.particles[0].model_copy(update={"position": (3.0, 3.0, 1.02)})
+    contact = run.case.contact.model_copy(update={"friction": friction})
+    run = sp.Simulation(run.case.model_copy(update={"particles": (bead,), "contact": contact}))
+    for _ in range(3):
+        momentum = whole_momentum(run)
+        run.step_once()
+    return run, (whole_momentum(run) - momentum) / run.time_step
+
+
+def whole_momentum(run):
+    """Along the slide, of the fluid; the bead is as dense."""
+    cell = run.grid.volume / run.grid.cell_count
+    return run.state.velocity[0][1:-1, 1:-1, 1:-1].sum() * cell
+
+
+def test_walls_feel_the_friction_of_beads_and_momentum_is_whole_with_it():
+    run, gained = rubbed(0.5)
+    friction = run.bodies.free.wall_impulse[2, :, 0].sum() / run.time_step
+    assert abs(friction) > 1e-2
+    total = run.wall_force["total"][0] + friction
+    # What the walls lose all else gains, to round-off of the pressure's solve.
+    assert gained == pytest.approx(-total, abs=1e-9)
+    assert abs(gained + run.wall_force["total"][0]) > 1e-2
+
+
+def test_friction_on_walls_is_part_of_their_stress_and_of_contact_s():
+    run, _ = rubbed(0.5)
+    wall, contact = (run.history[f"{name}_stress"][-1] for name in ("wall", "contact"))
+    low, high = run.bodies.free.wall_impulse[2, :, 0] / run.time_step
+    rub = 0.5 * (low - high) * 6.0 / run.grid.volume
+    forces = run.wall_force
+    fluid = 0.5 * (forces["z_low"] - forces["z_high"])[0] * 6.0 / run.grid.volume
+    assert abs(rub) > 1e-3
+    assert wall - fluid == pytest.approx(rub, rel=1e-9)
+    # Of the pair of bead and wall, −Δz·F: the wall 3 below the middle, the bead where it is.
+    height = run.bodies.state.position[0, 2] - 3.0
+    assert contact == pytest.approx(-(height - (-3.0)) * -low / run.grid.volume, rel=1e-9)
+    smooth, _ = rubbed(0.0)
+    assert smooth.bodies.free.wall_impulse[2, :, 0] == pytest.approx([0.0, 0.0], abs=1e-15)

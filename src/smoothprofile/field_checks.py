@@ -1,21 +1,34 @@
-"""What can be said of a case of a field alone before it is solved: resolution, gaps, memory."""
+"""What can be said of a field before it is solved: resolution, smoothing, gaps, memory."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
-from smoothprofile.assembly import layer_thickness, starting_state
-from smoothprofile.config import AXES, SPECTRAL, Case, build_shape, has_edges
+from smoothprofile import rotations
+from smoothprofile.assembly import layer_thickness, smoothing_of, starting_state
+from smoothprofile.config import AXES, SPECTRAL, Case, body_shape, has_edges
+from smoothprofile.contact_scales import field_speed
 from smoothprofile.electric.medium import widest_cell
 from smoothprofile.grid import Grid
-from smoothprofile.preflight import Check, check_row, disk_check, memory_check, refuse
+from smoothprofile.pairing import Pairing
+from smoothprofile.preflight import (
+    RESOLVED_FIELDS,
+    Check,
+    check_row,
+    checks,
+    disk_check,
+    memory_check,
+    refuse,
+)
+from smoothprofile.shapes import Shape
 
 FEW_CELLS = 8.0
 """Cells in the smallest radius from which on forces between bodies are right to a few percent."""
+FAR_DRAWN = 0.2
+"""Of its radius that a bead may be drawn to another in a step: at .3 chains were seen to burst."""
 LAYERS_THICK = 4.0
 """ξ on each side of a surface within which a tanh layer is not clear fluid."""
-# ψ and scratch of the iteration, ε on faces and corners, and the copies that output makes.
-FIELDS = 20
 SPECTRAL_FIELDS = 22
 
 
@@ -26,6 +39,19 @@ def field_checks(case: Case, grid: Grid) -> list[Check]:
     return [*found, _memory(case), disk_check(case, grid, 1)]
 
 
+def flow_checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
+    """Every check of a case with [fluid], those of its field among them if it has one."""
+    return checks(case, grid, pairing) + field_rows(case, grid, pairing)
+
+
+def field_rows(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
+    """The checks that its field adds to a case with [fluid], if it has one."""
+    if case.electric is None or not case.particles:
+        return []
+    found = [*_resolution(case, grid), *_edges(case), *_electrodes(case, grid)]
+    return found + _closing(case, grid, pairing)
+
+
 def check_field_memory(case: Case) -> None:
     """CaseError if the mesh would not fit, before anything of its size is made."""
     refuse([_memory(case)])
@@ -33,7 +59,9 @@ def check_field_memory(case: Case) -> None:
 
 def _memory(case: Case) -> Check:
     spectral = case.electric.discretisation == SPECTRAL
-    return memory_check(case, math.prod(case.domain.cells), SPECTRAL_FIELDS if spectral else FIELDS)
+    return memory_check(
+        case, math.prod(case.domain.cells), SPECTRAL_FIELDS if spectral else RESOLVED_FIELDS
+    )
 
 
 def _resolution(case: Case, grid: Grid) -> list[Check]:
@@ -48,15 +76,47 @@ def _resolution(case: Case, grid: Grid) -> list[Check]:
         rows.append(check_row("a/Δx", cells, FEW_CELLS, verdict, note))
         if xi > 0.8 * smallest:
             allowed = f"{smallest:g}, the smallest radius or half side, takes a layer of .8 of it"
-            given = "" if case.electric.thickness else ", .75 of the widest cell"
-            note = f"electric.thickness is {xi:g}{given}; {allowed} at most: take smaller cells."
+            given = case.electric.thickness
+            taken = "" if given else " if left out, .75 of the widest cell"
+            advice = "take less" if given else "take smaller cells"
+            note = f"electric.thickness is {xi:g}{taken}; {allowed} at most: {advice}."
             rows.append(check_row("ξ/a", xi / smallest, 0.8, "refuse", note))
     verdict = "ok" if xi >= 0.5 * cell else "warn"
     note = f"the {case.electric.profile} layer of permittivity; .75 is the default"
     rows.append(check_row("ξ/Δx, permittivity", xi / cell, 0.75, verdict, note))
-    contrast = max(p.permittivity for p in case.particles) / case.electric.permittivity
-    note = "largest permittivity of a body over that of the fluid"
-    return [*rows, check_row("permittivity ratio", contrast, None, "ok", note)]
+    ratios = [p.permittivity / case.electric.permittivity for p in case.particles]
+    differs = max(ratios, key=lambda ratio: abs(math.log(ratio)))
+    note = "permittivity of the bodies over that of the fluid"
+    if min(ratios) < max(ratios):
+        note += f", from {min(ratios):.4g} to {max(ratios):.4g}; of the one that differs most"
+    rows.append(check_row("permittivity ratio", differs, None, "ok", note))
+    return [*rows, check_row("smoothing", smoothing_of(case), None, "ok", smoothing_note(case))]
+
+
+def smoothing_note(case: Case) -> str:
+    """Why the permittivity is smoothed as it is."""
+    if case.electric.smoothing != "auto":
+        return "electric.smoothing, as the case says"
+    if smoothing_of(case) == "harmonic":
+        return 'electric.smoothing = "auto": spheres that move, whose forces must not jitter'
+    return 'electric.smoothing = "auto": the most accurate away from narrow gaps'
+
+
+def _closing(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
+    """How far a step takes bodies that the field draws together, of their size."""
+    free = [b for b, particle in enumerate(case.particles) if particle.motion == "free"]
+    if not free:
+        return []
+    cell = min(float(axis.widths.min()) for axis in grid.axes)
+    speed = field_speed(case, case.contact.range or cell)[free]
+    size = np.array([case.particles[b].thinnest[1] for b in free])
+    moved = float(np.max(pairing.step * speed / size))
+    verdict = "ok" if moved <= FAR_DRAWN else "warn"
+    note = "what a near pair closes by in a step, over the smallest radius"
+    if verdict == "warn":
+        allowed = f"take a time.step of {FAR_DRAWN / moved * pairing.step:.3g} at most"
+        note += f"; its force changes much on the way: {allowed}"
+    return [check_row("step, near pair", moved, FAR_DRAWN, verdict, note)]
 
 
 def _edges(case: Case) -> list[Check]:
@@ -77,16 +137,26 @@ def _electrodes(case: Case, grid: Grid) -> list[Check]:
     bounded = [b for b, particle in enumerate(case.particles) if particle.bounded]
     if ends is None or not bounded:
         return []
-    axis = grid.axes[AXES.index(ends.axis)]
-    state = starting_state(case)
+    d = AXES.index(ends.axis)
+    axis, state = grid.axes[d], starting_state(case)
     nearest = np.inf
     for b in bounded:
-        half = build_shape(case.particles[b]).reach
-        along = state.position[b, AXES.index(ends.axis)] - axis.low
-        nearest = min(nearest, along - half, axis.length - along - half)
+        place = state.position[b, d]
+        low, high = _ends_along(body_shape(case.particles[b]), state.quaternion[b], d)
+        nearest = min(nearest, place + low - axis.low, axis.high - place - high)
     layer = LAYERS_THICK * layer_thickness(case.electric, grid)
     verdict = "ok" if nearest >= layer else "warn"
     note = "smallest gap between a body and an electrode, over the layer's reach"
     if verdict == "warn":
         note += "; a body that touches one has its layer cut, and its force is less exact"
     return [check_row("electrode gap", float(nearest), layer, verdict, note)]
+
+
+def _ends_along(shape: Shape, quaternion: np.ndarray, axis: int) -> tuple[float, float]:
+    """Least and greatest coordinate of a body along an axis of the box, from its position."""
+    ends = []
+    for part in shape.parts:
+        turned = replace(part, quaternion=rotations.multiply(quaternion, part.quaternion))
+        place = rotations.rotate(quaternion, part.position)[axis]
+        ends += [place + corner[axis] for corner in turned.box]
+    return min(ends), max(ends)

@@ -198,4 +198,16 @@ def number_rows(case: Case, measured: float | None = None) -> list[tuple[str, fl
     if measured is not None and not s.rate and s.basis in ESTIMATES:
         speed = "the fastest body's speed at the end"
     notes = {"Re": ("Re", f"by {length} and {speed}"), **NOTES}
-    return [(notes[name][0], value, notes[name][1]) for name, value in found.items()]
+    rows = [(notes[name][0], value, notes[name][1]) for name, value in found.items()]
+    return [(name, value, note + _range(case, name)) for name, value, note in rows]
+
+
+def _range(case: Case, name: str) -> str:
+    """What to say of R and β where bodies differ: their number is that of the farthest one."""
+    if name not in ("R", "β"):
+        return ""
+    ratios = [particle.permittivity / case.electric.permittivity for particle in case.particles]
+    ends = [ratio if name == "R" else _contrast(ratio) for ratio in (min(ratios), max(ratios))]
+    if ends[0] == ends[1]:
+        return ""
+    return f"; bodies go from {ends[0]:.4g} to {ends[1]:.4g}, this is the one with the largest |β|"

@@ -3,10 +3,11 @@
     τ = ½(τ_low + τ_high) = μγ̇ + ΣD/V − Σz·Fᶜ/V − Σz·Fᵉ/V + inertia
 
 z is the height of a body above the middle between the walls, Fᶜ and Fᵉ along the slide what contact
-and the field do to it, and D = ∮z'σ·n dS, z' from the body's own height: of the tractions of the
-fluid the stresslet and half the torque across. For a pair −Σz·F is −(z_i − z_j)F_ij (Batchelor,
-J. Fluid Mech. 83, 1977). On equipotential walls the Maxwell stress bears no shear, so that −Σz·Fᵉ/V
-is its mean over the whole box, but for what the field's torque adds; on spheres it exerts none.
+and the field do to it, the walls being bodies at z = ±L/2 that rub on others; and D = ∮z'σ·n dS,
+z' from the body's own height: of the tractions of the fluid the stresslet and half the torque
+across. For a pair −Σz·F is −(z_i − z_j)F_ij (Batchelor, J. Fluid Mech. 83, 1977). On equipotential
+walls the Maxwell stress bears no shear, so that −Σz·Fᵉ/V is its mean over the whole box, but for
+what the field's torque adds; on spheres it exerts none.
 
 It is the balance of ∫ρz u dV, exact on the grid for bodies that are free of other loads. What is
 left out, as inertia, is its rate of change in the fluid outside of bodies and −ρ⟨u'w'⟩; gravity,
@@ -39,7 +40,7 @@ class Slide:
 
 def slide_of(simulation: Any) -> Slide | None:
     """None unless one axis alone has walls, both no-slip, and they slide past each other."""
-    grid, walls = simulation.grid, simulation.flow.parameters.walls
+    grid, walls = simulation.grid, simulation.walls
     walled = [d for d in range(3) if not grid.axes[d].periodic]
     if len(walled) != 1 or walls.kinds[walled[0]] != ("wall", "wall"):
         return None
@@ -52,10 +53,16 @@ def slide_of(simulation: Any) -> Slide | None:
 
 
 def stress_on_walls(simulation: Any, slide: Slide) -> float:
-    """τ: the mean of the shear stresses of the fluid on both walls, along the slide."""
+    """τ: the mean of the shear stresses on both walls, of the fluid and of what rubs on them."""
     forces, name = simulation.wall_force, AXIS_NAMES[slide.axis]
     drag = 0.5 * (forces[f"{name}_low"] - forces[f"{name}_high"]) @ slide.direction
-    return float(drag * slide.height / simulation.grid.volume)
+    return float(drag * slide.height / simulation.grid.volume) + _rubbing(simulation, slide)
+
+
+def _rubbing(simulation: Any, slide: Slide) -> float:
+    """½(F_low − F_high)L/V of the friction of bodies on the walls in the last step."""
+    low, high = simulation.bodies.free.wall_impulse[slide.axis] / simulation.time_step
+    return float(0.5 * (low - high) @ slide.direction * slide.height / simulation.grid.volume)
 
 
 def apparent_viscosity(simulation: Any) -> float | None:
@@ -89,6 +96,6 @@ def _parts(simulation: Any, slide: Slide) -> dict[str, float]:
         "viscous_stress": float(
             simulation.case.fluid.viscosity * slide.rate + moments.sum() / volume
         ),
-        "contact_stress": float(-(height @ contact @ along) / volume),
+        "contact_stress": float(_rubbing(simulation, slide) - (height @ contact @ along) / volume),
         "electric_stress": float(-(height @ field @ along) / volume),
     }

@@ -184,10 +184,11 @@ def _dielectric_radius(
             break
         step = new_excess * (new - old) / (new_excess - old_excess)
         old, old_excess, new = new, new_excess, max(new - step, thickness)
+    other = "" if smoothing == "tensor" else ', or electric.smoothing = "tensor"'
     raise CaseError(
-        f"profile.thickness is {thickness:.3g} of a sphere's radius, and no painted radius gives "
+        f"electric.thickness is {thickness:.3g} of a sphere's radius, and no painted radius gives "
         f"it its own moment at a permittivity ratio of {ratio:g} with {smoothing} smoothing; take "
-        f'a thinner interface, or electric.smoothing = "tensor".'
+        f"a thinner layer (left out, it is .75 of a cell){other}."
     )
 
 
@@ -214,12 +215,12 @@ def _checked(
         raise CaseError(f"multipole is {multipole}; it must be 1, 2, 3, …")
     if thickness > THICKEST * radius:
         raise CaseError(
-            f"profile.thickness is {thickness:g}, {thickness / radius:.2g} of the particle's "
+            f"electric.thickness is {thickness:g}, {thickness / radius:.2g} of the particle's "
             f"radius {radius:g}; it may be at most {THICKEST:g} of it for a dielectric sphere."
         )
     if thickness < THINNEST * radius:
         raise CaseError(
-            f"profile.thickness is {thickness:g}; it must be at least {THINNEST:g} of the "
+            f"electric.thickness is {thickness:g}; it must be at least {THINNEST:g} of the "
             f"particle's radius {radius:g} for a dielectric sphere."
         )
     return profile_named(profile) if isinstance(profile, str) else profile

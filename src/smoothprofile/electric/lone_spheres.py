@@ -101,8 +101,10 @@ def sphere_loads(
                     value = faces[2][gi, gj, gk]
                     at = (p[0, 0], p[0, 1], p[1, 2])
                     _face(2, at, field, volume, value, law, found, near, n, total)
+                if mode != TENSOR:
+                    continue
                 q = (layers[0][gi, gj, gk], layers[1][gi, gj, gk], layers[2][gi, gj, gk])
-                if mode == TENSOR and (q[0] != 0.0 or q[1] != 0.0 or q[2] != 0.0):
+                if q[0] != 0.0 or q[1] != 0.0 or q[2] != 0.0:
                     e = corner_field(psi, e0, d, gi, gj, gk)
                     volume = share[0][gi] * share[1][gj] * share[2][gk]
                     at = (p[1, 0], p[1, 1], p[1, 2])

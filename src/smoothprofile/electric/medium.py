@@ -32,15 +32,18 @@ def dielectric_medium(
     thickness: float | None = None,
     smoothing: Smoothing = "tensor",
     retract: bool = True,
+    around: Sequence[float] | None = None,
 ) -> Permittivity:
     """ε of bodies of those shapes and permittivities in a fluid, not yet painted.
 
-    thickness: ξ, .75Δx if left out. retract: move each surface by `surface_offset`.
+    thickness: ξ, .75Δx if left out. retract: move each surface by `surface_offset`. around: of each
+    body, the permittivity that its surface borders on, as a core's does on its shell's; the fluid's
+    if left out.
     CaseError for a permittivity that is not above 0, and for layers thicker than .8 of a radius.
     """
     xi = default_thickness(grid) if thickness is None else thickness
     if not (math.isfinite(xi) and xi > 0.0):
-        raise CaseError(f"profile.thickness is {xi:g}; it must be a finite number above 0.")
+        raise CaseError(f"electric.thickness is {xi:g}; it must be a finite number above 0.")
     for value in (*permittivity, fluid):
         checked_permittivity(value)
     if len(shapes) != len(permittivity):
@@ -48,10 +51,11 @@ def dielectric_medium(
             f"{len(shapes)} bodies have {len(permittivity)} permittivities; give one to each."
         )
     offsets = [np.zeros((len(shape.parts), 2)) for shape in shapes]
-    for rows, shape, value in zip(offsets, shapes, permittivity, strict=True):
+    outside = [fluid] * len(shapes) if around is None else around
+    for rows, shape, value, outer in zip(offsets, shapes, permittivity, outside, strict=True):
         for row, part in zip(rows, shape.parts, strict=True):
             if retract:
-                row[:] = surface_offset(part, xi, value / fluid, profile, smoothing)
+                row[:] = surface_offset(part, xi, value / outer, profile, smoothing)
     forms = Forms.of(shapes, offsets)
     return Permittivity(grid, forms, permittivity, fluid, profile_named(profile), xi, smoothing)
 

@@ -7,6 +7,7 @@ box; tasks on the same plane of the grid form a group, worked through in the ord
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from smoothprofile.grid import Axis, Grid
 
@@ -89,34 +90,61 @@ def _ranges(axis: Axis, centre: np.ndarray, half: np.ndarray):
 
 def _meetings(grid: Grid, first, count, image, endless):
     """Of every body, those whose boxes, moved by whole periods, meet its own box."""
-    cells = np.array(grid.shape)
-    low = first + image * np.where(grid.periodic, cells, 0)
-    high = low + count
-    bodies, shifts, starts = [], [], [0]
-    for b in range(first.shape[0]):
-        found = []
-        spans = []
-        for d in range(3):
-            if grid.periodic[d]:
-                # Periods by which others may have to be moved to overlap this box.
-                most = np.floor((high[b, d] - 1 - low[:, d]) / cells[d]).astype(int)
-                least = np.ceil((low[b, d] + 1 - high[:, d]) / cells[d]).astype(int)
-            else:
-                apart = (low[:, d] >= high[b, d]) | (high[:, d] <= low[b, d])
-                least, most = np.where(apart, 1, 0), np.zeros(len(low), dtype=int)
-            # One that fills the axis is painted once: its distance knows its images.
-            if grid.periodic[d]:
-                least, most = np.where(endless[:, d], 0, least), np.where(endless[:, d], 0, most)
-            spans.append((least, most))
-        near = np.all([least <= most for least, most in spans], axis=0)
-        for other in np.flatnonzero(near & (count[:, 0] > 0)):
-            ranges = [range(s[0][other], s[1][other] + 1) for s in spans]
-            found += [(other, (i, j, k)) for i in ranges[0] for j in ranges[1] for k in ranges[2]]
-        bodies += [other for other, _ in found]
-        shifts += [np.array(periods) * np.array(grid.lengths) for _, periods in found]
-        starts.append(len(bodies))
-    return (
-        np.array(starts, dtype=np.int64),
-        np.array(bodies, dtype=np.int64),
-        np.array(shifts, dtype=np.float64).reshape(-1, 3),
-    )
+    n, periodic = first.shape[0], np.array(grid.periodic)
+    cells = np.where(periodic, grid.shape, 0)
+    known = (first, first + count, image, count[:, 0] > 0, endless & periodic, cells)
+    starts, lengths = np.zeros(n + 1, dtype=np.int64), np.array(grid.lengths)
+    none = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
+    _meet(*known, lengths, starts, *none, False)
+    np.cumsum(starts, out=starts)
+    bodies, shifts = np.zeros(starts[-1], dtype=np.int64), np.zeros((starts[-1], 3))
+    _meet(*known, lengths, starts, bodies, shifts, True)
+    return starts, bodies, shifts
+
+
+@njit(cache=True)
+def _meet(low, high, image, there, endless, cells, lengths, starts, bodies, shifts, store):
+    """How many meet body b, to starts[b + 1]; or, with `store`, who they are, from starts[b] on."""
+    least, most = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    for b in range(low.shape[0]):
+        found = 0
+        for o in range(low.shape[0]):
+            near = there[o]
+            for d in range(3):
+                if not near:
+                    break
+                if endless[o, d]:
+                    # One that fills the axis is painted once: its distance knows its images.
+                    least[d], most[d] = 0, 0
+                    continue
+                least[d], most[d] = _periods(low[b, d], high[b, d], low[o, d], high[o, d], cells[d])
+                near = least[d] <= most[d]
+                least[d] += image[b, d] - image[o, d]
+                most[d] += image[b, d] - image[o, d]
+            if not near:
+                continue
+            for i in range(least[0], most[0] + 1):
+                for j in range(least[1], most[1] + 1):
+                    for k in range(least[2], most[2] + 1):
+                        if store:
+                            m = starts[b] + found
+                            bodies[m] = o
+                            shifts[m, 0] = i * lengths[0]
+                            shifts[m, 1] = j * lengths[1]
+                            shifts[m, 2] = k * lengths[2]
+                        found += 1
+        if not store:
+            starts[b + 1] = found
+
+
+@njit(inline="always")
+def _periods(low, high, other_low, other_high, cells):
+    """By how many periods, from and to, the other must be moved to overlap; cells 0: no period.
+
+    Both begin within the domain and are no longer than it.
+    """
+    least, most = 2, -2
+    for s in range(-1, 2):
+        if (cells or s == 0) and other_low + s * cells < high and other_high + s * cells > low:
+            least, most = min(least, s), max(most, s)
+    return least, most

@@ -76,6 +76,8 @@ def driven(newer: np.ndarray, older: np.ndarray, gain: np.ndarray, dt: float) ->
 class Contact:
     """Contact among given bodies in a given box."""
 
+    _sweep = staticmethod(sweep)
+
     def __init__(
         self,
         forms: Forms,
@@ -139,7 +141,7 @@ class Contact:
         least, done = math.inf, 0
         start = np.full((self._rows.shape[0], 3), np.nan)
         while count and done <= count:
-            done, gap = sweep(
+            done, gap = self._sweep(
                 done, count, dt, self._rows, start, self._built, 0.5 * self._skin, self._cutoff,
                 self._parts, self._masses, box, self._law, course, s,
             )  # fmt: skip
@@ -153,7 +155,7 @@ class Contact:
         turned = rotations.normalise(
             rotations.multiply(rotations.from_vector(dt * course.spin), quaternion)
         )
-        kicked = np.any(s.spin_gain != 0.0, axis=1)
+        kicked = np.any(s.angular_impulse != 0.0, axis=1)
         turned[kicked] = rotations.normalise(s.quaternion[kicked])
         return Moved(
             position=course.origin + dt * course.velocity + s.shift,
@@ -200,9 +202,13 @@ class Contact:
         touch = 1.0 / (softness[b] + np.where(wall, 0.0, softness[o]))
         mobility = inverse[b] + np.where(wall, 0.0, inverse[o])
         s = self.parameters.range
-        phase = dt * np.sqrt(2.0 * touch * mobility / s) / _PHASE
-        needed = np.maximum(phase, dt * closing / (_FARTHEST * s))[near].max()
+        stiff = self._stiffness(2.0 * touch * mobility / s, dt) / _PHASE
+        needed = np.maximum(stiff, dt * closing / (_FARTHEST * s))[near].max()
         return int(min(max(math.ceil(needed), 1), self.parameters.most_substeps))
+
+    def _stiffness(self, rate: np.ndarray, dt: float) -> np.ndarray:
+        """ωΔt of each pair, from ω²."""
+        return dt * np.sqrt(rate)
 
     def _ball_gaps(self, centre, first, other, wall) -> np.ndarray:
         """(rows,): no more than the gaps, from the balls that enclose the parts."""

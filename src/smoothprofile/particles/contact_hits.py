@@ -15,6 +15,7 @@ from smoothprofile.particles.contact_law import (
     normal_impulse,
     shear_resistances,
     squeeze_impulse,
+    squeeze_resistance,
     stopping_impulse,
 )
 
@@ -78,11 +79,34 @@ def lubricate(c, dt, hits, masses, box, law, s, a, b):
     gap, n = hits.gap[c], _row(hits.normal, c)
     if gap >= law.outer_gap:
         return
-    first, second = hits.pair[c, 0], hits.pair[c, 1]
     rate = _dot(approach(c, hits, box, s), n)
     reduced = a if math.isinf(b) else a * b / (a + b)
     squeezed = squeeze_impulse(law, gap, rate, reduced, 1.0 / hits.inverse[c], dt)
     kick(c, squeezed, n, hits, masses, s)
+    shear(c, dt, hits, masses, box, law, s, a, b)
+
+
+@njit
+def drag_apart(c, dt, hits, masses, box, law, s, a, b):
+    """As `lubricate`, of bodies whose 1/m is a mobility over Δt: what they would do without mass.
+
+    J = −Δt Zḣ/(1 + ZM),  Z = 6πμa_r²(1/h − 1/h_c),  M = Δt/m of the pair
+    """
+    gap, n = hits.gap[c], _row(hits.normal, c)
+    if gap >= law.outer_gap:
+        return
+    rate = _dot(approach(c, hits, box, s), n)
+    reduced = a if math.isinf(b) else a * b / (a + b)
+    resistance = squeeze_resistance(law, gap, reduced)
+    held = -dt * resistance * rate / (1.0 + resistance * dt * hits.inverse[c])
+    kick(c, held, n, hits, masses, s)
+    shear(c, dt, hits, masses, box, law, s, a, b)
+
+
+@njit
+def shear(c, dt, hits, masses, box, law, s, a, b):
+    """What shearing adds to `lubricate`."""
+    n, first, second = _row(hits.normal, c), hits.pair[c, 0], hits.pair[c, 1]
     if not masses.ball[first] or (second >= 0 and not masses.ball[second]):
         return
     slip = _across(approach(c, hits, box, s), n)

@@ -98,12 +98,18 @@ def squeeze_impulse(law, gap, rate, reduced_radius, mass, dt):
 
     a_r = a₁a₂/(a₁+a₂); a wall has a₂ = ∞ (Jeffrey & Onishi, J. Fluid Mech. 139, 1984).
     """
+    resistance = squeeze_resistance(law, gap, reduced_radius)
+    return mass * rate * math.expm1(-resistance * dt / mass)
+
+
+@njit(error_model="numpy")
+def squeeze_resistance(law, gap, reduced_radius):
+    """Z, of the gap h or of the smallest, whichever is larger; 0 from h_c on."""
     h = max(gap, law.inner_gap)
     if h >= law.outer_gap:
         return 0.0
     square = reduced_radius * reduced_radius
-    resistance = 6.0 * math.pi * law.viscosity * square * (1.0 / h - 1.0 / law.outer_gap)
-    return mass * rate * math.expm1(-resistance * dt / mass)
+    return 6.0 * math.pi * law.viscosity * square * (1.0 / h - 1.0 / law.outer_gap)
 
 
 @njit(error_model="numpy")

@@ -19,7 +19,15 @@ def pictures(curves: Mapping[str, Mapping[str, np.ndarray]]) -> list[Picture]:
         figure, (left, right) = new_panels(2, height=3.7, width=9.4)
         free = curve["wall"][order[-1]]
         excess = curve["wall"][order[:-1]] - free
-        left.loglog(number[:-1], excess, "o-", label="μ_app − μ_free")
+        left.errorbar(
+            number[:-1],
+            excess,
+            curve["wall_error"][order[:-1]],
+            fmt="o-",
+            capsize=3,
+            label="μ_app − μ_free",
+        )
+        left.set(xscale="log", yscale="log")
         left.loglog(number[:-1], excess[0] * number[0] / number[:-1], **LEVEL, label="slope −1")
         for (name, label), colour in zip(LABELS.items(), PALETTE[3::-1], strict=True):
             right.semilogx(number, curve[name][order], "o-", color=colour, label=label)
