@@ -311,7 +311,7 @@ def test_the_summary_is_plain_and_complete():
         "status", "steps", "time", "time_step", "wall_seconds", "seconds_per_step", "cells",
         "threads", "bodies", "wall_force", "driving_force", "mean_velocity", "max_divergence",
         "change_rate", "resolution", "start", "volume_fraction", "particle_stress", "numbers",
-        "error_card",
+        "error_card", "retries",
     }  # fmt: skip
     assert summary["cells"] == 12**3
     names = [name for name, value, note in run.table()]

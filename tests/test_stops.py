@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from restarts import files_digest, run_stopping, state_digest
 from smoothprofile.config import load_case
+from smoothprofile.config.tomltext import document
 from smoothprofile.errors import BlowUpError
 from smoothprofile.grid import Grid, uniform_axis
 from smoothprofile.particles.watch import BodyWatch
@@ -97,6 +99,24 @@ def test_a_run_that_blows_up_leaves_its_last_fields_and_says_what_would_hold(spm
         assert np.abs(file["velocity"][0]).max() > 50.0
 
 
+def test_seeds_are_in_the_record_of_a_run(spm, tmp_path, monkeypatch):
+    """The case that is kept has places and radii written out, and no seed."""
+    monkeypatch.setattr("smoothprofile.running.write_report", lambda path: path / "report.html")
+    drawn = {"shape": "sphere", "radius": 0.5, "random": {"count": 2, "seed": 7}}
+    dealt = {
+        "shape": "sphere",
+        "radius": {"sizes": [0.3, 0.4], "shares": [1, 1]},
+        "lattice": {"kind": "cubic", "counts": [1, 1, 2]},
+    }
+    case = box(dealt, drawn, body([3.5, 3.0, 3.0], radius=0.5), time={"max_steps": 1})
+    case["profile"]["thickness"] = 0.2
+    (tmp_path / "case.toml").write_text(document(case), encoding="utf-8")
+    code, _, err = spm("run", "case.toml", "--out", "run", "--set", "particles.1.random.seed=8")
+    assert code == 0, err
+    record = json.loads((tmp_path / "run" / "run.json").read_text())
+    assert record["seeds"] == {"particles.0.radius": 0, "particles.1.random": 8}
+
+
 def watch():
     grid = Grid(tuple(uniform_axis(n, 0.0, 10.0, 10, n == "x") for n in "xyz"))
     return BodyWatch(grid, np.array([1]), np.array([[1.0] * 3, [2.0, 1.0, 1.0]]), ["a", "b"])
@@ -132,15 +152,18 @@ def test_the_error_card_turns_red_where_something_is_wrong(tmp_path):
         tmp_path / "good",
     )
     card = {line["name"]: line for line in good.summary()["error_card"]}
-    assert {"divergence", "momentum", "slip inside bodies", "a/ξ", "ξ/Δx"} <= set(card)
-    assert card["divergence"]["verdict"] == card["momentum"]["verdict"] == "green"
+    books = {"divergence", "momentum", "energy"}
+    assert books | {"slip inside bodies", "a/ξ", "ξ/Δx"} <= set(card)
+    assert {card[name]["verdict"] for name in books} == {"green"}
+    assert " % is dissipated by slip" in card["energy"]["note"]
     assert all(line["verdict"] in ("green", "amber", "red") for line in card.values())
     assert all(line["note"] for line in card.values())
     for velocity in good.state.velocity:
         velocity += np.linspace(0.0, 1.0, velocity.size).reshape(velocity.shape)
-    good.bodies.state.force *= 2.0
+    good.budget = replace(good.budget, momentum=0.06, energy=0.02)
     worse = {line["name"]: line["verdict"] for line in good.summary()["error_card"]}
     assert worse["divergence"] == worse["momentum"] == worse["slip inside bodies"] == "red"
+    assert worse["energy"] == "amber"
 
 
 def test_overlaps_are_on_the_error_card(tmp_path):

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from smoothprofile.runs import from_file
     from smoothprofile.signals import Signal
     from smoothprofile.simulation import Simulation
+    from smoothprofile.stokes_simulation import StokesSimulation
 
 __version__ = "0.1.0"
 
@@ -29,6 +30,7 @@ _HOMES = {
     "Electrostatics": "electrostatics",
     "Signal": "signals",
     "Simulation": "simulation",
+    "StokesSimulation": "stokes_simulation",
     "from_file": "runs",
     "load_case": "config",
 }
@@ -41,6 +43,7 @@ __all__ = [
     "Electrostatics",
     "Signal",
     "Simulation",
+    "StokesSimulation",
     "__version__",
     "calibration",
     "from_file",

@@ -15,9 +15,9 @@ from smoothprofile.config import (
     Faces,
     Focus,
     body_shape,
-    build_shape,
     start_position,
 )
+from smoothprofile.contact_scales import field_speed, pressing_force
 from smoothprofile.electric.action import ElectricAction, NoField
 from smoothprofile.electric.field import Drive, ResolvedField
 from smoothprofile.electric.medium import default_thickness, dielectric_medium
@@ -53,7 +53,7 @@ def _axis(domain: Domain, d: int) -> Axis:
         return Axis(AXES[d], np.array(stretching.faces), periodic)
     arguments = (AXES[d], domain.origin[d], domain.lengths[d], domain.cells[d], periodic)
     if isinstance(stretching, Focus):
-        return stretched_axis(*arguments, stretching.focus, stretching.ratio)
+        return stretched_axis(*arguments, stretching.focus, stretching.ratio, stretching.core)
     return uniform_axis(*arguments)
 
 
@@ -157,10 +157,23 @@ def build_field(case: Case, grid: Grid) -> ResolvedField | SpectralField:
         electric.permittivity,
         electric.profile,
         layer_thickness(electric, grid),
-        electric.smoothing,
+        smoothing_of(case),
         electric.retract,
     )
     return ResolvedField(medium, drive, ends, *limits)
+
+
+def smoothing_of(case: Case) -> str:
+    """How the permittivity is smoothed: with "auto", harmonic if spheres alone move, else tensor.
+
+    In narrow gaps the tensor's forces depend on where the grid lies, which bodies that move feel.
+    Harmonic ones do not, but they are right for spheres alone. `docs/decisions.md` has numbers.
+    """
+    if case.electric.smoothing != "auto":
+        return case.electric.smoothing
+    moving = any(particle.motion != "held" for particle in case.particles)
+    round_ones = all(particle.shape == "sphere" for particle in case.particles)
+    return "harmonic" if moving and round_ones else "tensor"
 
 
 def layer_thickness(electric: Electric, grid: Grid) -> float:
@@ -199,28 +212,6 @@ def build_action(case: Case, grid: Grid) -> ElectricAction | NoField:
     )
 
 
-def contact_pull(case: Case) -> np.ndarray:
-    """(n,) how hard a field may press each body against its like: that of touching dipoles.
-
-    F = 24πβ²ε a²E²/(r/a)⁴ at r = 2a, and R times that in the gap of good conductors, taken no
-    further than ten times.
-    """
-    electric = case.electric
-    if electric is None:
-        return np.zeros(len(case.particles))
-    strongest = np.linalg.norm(np.maximum(np.abs(electric.field), np.abs(electric.quadrature)))
-    if electric.electrodes is not None:
-        ends = electric.electrodes
-        length = case.domain.lengths[AXES.index(ends.axis)]
-        strongest = math.hypot(strongest, (ends.high - ends.low) / length)
-    ratio = np.array([p.permittivity for p in case.particles]) / electric.permittivity
-    beta = (ratio - 1.0) / (ratio + 2.0)
-    near = np.clip(ratio, 1.0, 10.0)
-    size = np.array([build_shape(particle).reach for particle in case.particles])
-    size = np.where(np.isfinite(size), size, 0.0)
-    return 1.5 * math.pi * beta**2 * near * electric.permittivity * (size * strongest) ** 2
-
-
 def free_bodies(case: Case) -> FreeBodies:
     """Which bodies of a case move freely, and what acts on them."""
     rows = [b for b, particle in enumerate(case.particles) if particle.motion == "free"]
@@ -248,15 +239,18 @@ def build_contact(
     mass, weight = np.full(count, np.inf), np.full(count, np.inf)
     mass[free.rows] = (free.density + 0.5 * density) * volume
     pull = free.force + ((free.density - density) * volume)[:, None] * free.gravity
-    weight[free.rows] = np.linalg.norm(pull, axis=1) + contact_pull(case)[free.rows]
+    weight[free.rows] = np.linalg.norm(pull, axis=1)
     turning = np.zeros((count, 3, 3))
     turning[free.rows] = np.linalg.inv(free.density[:, None, None] * inertia)
     cell = min(float(axis.widths.min()) for axis in grid.axes)
+    reach = wanted.range or cell
+    pressing, fastest = pressing_force(case, reach), field_speed(case, reach)
+    weight[free.rows] = np.maximum(weight[free.rows], pressing[free.rows])
     # Where nothing says how fast bodies will be, viscosity does: across a cell in its own time.
-    nu = case.fluid.viscosity / density
+    still = case.fluid.viscosity / density / cell
     parameters = default_parameters(
-        wanted.range or cell,
-        speed or nu / cell,
+        reach,
+        max(speed, float(fastest[free.rows].max(initial=0.0))) or still,
         mass,
         weight,
         wanted.restitution,

@@ -18,9 +18,10 @@ def watch_flow(run: Any) -> None:
     try:
         watch(run.grid, run.state, run.extremes, run.time_step, advection)
     except BlowUpError as error:
+        held = step_that_holds(run)
         raise BlowUpError(
-            f"{str(error).rstrip('.')}; Δt = {step_that_holds(run):.3g} would have held by the "
-            "speeds before it."
+            f"{str(error).rstrip('.')}; Δt = {held:.3g} would have held by the speeds before it.",
+            held,
         ) from None
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from smoothprofile.errors import CaseError, OutputError
 from smoothprofile.safefiles import DiskFile, hdf5_on, reason, replacing
 
-FORMAT = 2
+FORMAT = 3
 NEWEST, PREVIOUS = "checkpoint.h5", "checkpoint-previous.h5"
 ARRAY = "array number"
 SEAL = b"SHA-256 of all before: "
@@ -30,15 +30,18 @@ SEAL_BYTES = len(SEAL) + hashlib.sha256().digest_size
 BLOCK = 1 << 22
 
 
-def write_checkpoint(directory: Path, case_toml: str, tree: Mapping[str, Any]) -> None:
+def write_checkpoint(
+    directory: Path, case_toml: str, tree: Mapping[str, Any], keep: bool = True
+) -> None:
     """Make `tree` the newest checkpoint of a run directory; the newest becomes the previous one.
 
+    keep = False: the newest is replaced, and the previous one stays.
     OutputError if it could not be written or was not read back as it was; the old ones then stand.
     """
     arrays: list[np.ndarray] = []
     text = json.dumps(_packed(tree, arrays))
     newest = directory / NEWEST
-    with replacing(newest, keep=directory / PREVIOUS) as disk:
+    with replacing(newest, keep=directory / PREVIOUS if keep else None) as disk:
         with hdf5_on(disk) as file:
             file.attrs["format"] = FORMAT
             file.attrs["smoothprofile"] = version("smoothprofile")
@@ -59,15 +62,20 @@ def has_checkpoint(directory: Path) -> bool:
 
 
 def read_checkpoint(
-    directory: Path, case_toml: str, tell: Callable[[str], None] = lambda sentence: None
+    directory: Path,
+    case_toml: str,
+    tell: Callable[[str], None] = lambda sentence: None,
+    newest_first: bool = True,
 ) -> dict[str, Any]:
     """The newest whole checkpoint of that case, the previous one if the newest is damaged.
 
-    tell: takes a sentence if it is the previous one, or one of another version of the program.
+    newest_first = False: the other way round. tell: takes a sentence if the first is damaged, or
+    of another version of the program.
     CaseError if there is none, naming what is wrong with each that there is.
     """
     wrong: list[str] = []
-    for name in (NEWEST, PREVIOUS):
+    names = (NEWEST, PREVIOUS) if newest_first else (PREVIOUS, NEWEST)
+    for name in names:
         if not (directory / name).exists():
             continue
         try:
@@ -76,7 +84,7 @@ def read_checkpoint(
             wrong.append(str(error).rstrip("."))
             continue
         if wrong:
-            tell(f"{'; '.join(wrong)}. The older {directory / name} is whole, and is used.")
+            tell(f"{'; '.join(wrong)}. The other, {directory / name}, is whole, and is used.")
         if written_by != version("smoothprofile"):
             tell(f"{directory / name} was written by version {written_by}: bits may differ.")
         return tree

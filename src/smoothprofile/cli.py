@@ -9,14 +9,7 @@ from typing import Annotated
 
 import typer
 
-from smoothprofile.console import (
-    answer,
-    check_free,
-    exit_codes,
-    print_json,
-    print_table,
-    say,
-)
+from smoothprofile.console import answer, check_free, exit_codes, print_json, print_table, say
 
 app = typer.Typer(
     help="Particles in incompressible flow by the smoothed profile method.",
@@ -39,6 +32,10 @@ Settings = Annotated[
     typer.Option(
         "--set", metavar="TABLE.KEY=VALUE", help="Change the case. May be given many times."
     ),
+]
+Retry = Annotated[
+    int,
+    typer.Option(metavar="N", min=0, help="After a blow-up go back and halve the step, N times."),
 ]
 Threads = Annotated[
     int | None,
@@ -139,26 +136,25 @@ def run(
         bool,
         typer.Option("--resume-if-exists", help="Go on if the run directory is there already."),
     ] = False,
+    retry: Retry = 0,
     json: Json = False,
 ) -> None:
     """Run a case; ends with a table and a report."""
     with exit_codes(json):
-        from smoothprofile.config import load_case
         from smoothprofile.running import start, start_or_go_on
 
+        _use(threads)
         if resume and out is not None:
-            _use(threads)
-            start_or_go_on(case, lambda: load_case(case, set_ or []), out, json)
+            start_or_go_on(case, set_ or [], out, json, retry)
             return
         check_free(out, "output directory")
-        loaded = load_case(case, set_ or [])
-        _use(threads)
-        start(case, loaded, out, json)
+        start(case, set_ or [], out, json, retry)
 
 
 @app.command()
 def resume(
     directory: Annotated[Path, typer.Argument(metavar="DIRECTORY", help="A run directory.")],
+    retry: Retry = 0,
     threads: Threads = None,
     json: Json = False,
 ) -> None:
@@ -167,7 +163,7 @@ def resume(
         from smoothprofile.running import go_on
 
         _use(threads)
-        go_on(directory, json)
+        go_on(directory, json, retry)
 
 
 @app.command()
@@ -248,7 +244,7 @@ def study(
     """Repeat an experiment of the thesis: its numbers, the exact ones and ours."""
     with exit_codes(json):
         from smoothprofile.studies import STUDIES, study_named
-        from smoothprofile.studying import run_study
+        from smoothprofile.studying import chosen, run_study
 
         if name == "list":
             entries = [{"name": key, "description": text} for key, text in STUDIES.items()]
@@ -256,7 +252,7 @@ def study(
                 print_table("Studies", ("name", "what it is"), list(STUDIES.items()))
                 say("spm study NAME runs one; spm study all runs them all.")
             return
-        names = list(STUDIES) if name == "all" else [name]
+        names = chosen(name)
         for key in names:
             study_named(key)
         check_free(out, "output directory")

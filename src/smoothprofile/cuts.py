@@ -5,9 +5,25 @@ from typing import Any
 import numpy as np
 
 from smoothprofile import sampling
+from smoothprofile.config import build_shape
 from smoothprofile.electric.field import padded
 from smoothprofile.grid import AXIS_NAMES, Grid
 from smoothprofile.particles.bodies import BodyState
+
+
+def of_run(run: Any, axis: str, at: float) -> dict[str, Any]:
+    """Speed, in-plane velocity, φ, and the electric field of a run of the flow."""
+    found = frame(run.grid, axis, at, run.indicator)
+    found |= flow_cut(run.grid, run.state.velocity, axis, at)
+    if run.case.electric is None or run.action.loads is None:
+        return found
+    reach = np.array([build_shape(particle).reach for particle in run.case.particles])
+    force = run.action.loads.force
+    return {
+        **found,
+        **field_cut(run.grid, run.electric_field, run.potential, axis, at),
+        **forces_in_cut(run.grid, run.bodies.state, reach, force, axis, at),
+    }
 
 
 def frame(grid: Grid, axis: str, at: float, indicator: np.ndarray) -> dict[str, Any]:

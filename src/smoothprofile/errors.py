@@ -11,8 +11,13 @@ class CaseError(ValueError):
 class BlowUpError(ArithmeticError):
     """A run that stopped being a solution: NaN, infinity or divergence. Exit code 3.
 
-    Names the field, the cell, the time and the limit that was exceeded.
+    Names the field, the cell, the time and the limit that was exceeded. `step` is a Δt that would
+    have held; None if Δt has no part in it.
     """
+
+    def __init__(self, message: str, step: float | None = None):
+        super().__init__(message)
+        self.step = step
 
 
 class StoppedError(Exception):

@@ -143,32 +143,40 @@ def uniform_axis(name: str, low: float, length: float, cells: int, periodic: boo
 
 
 def stretched_axis(
-    name: str, low: float, length: float, cells: int, periodic: bool, focus: float, ratio: float
+    name: str,
+    low: float,
+    length: float,
+    cells: int,
+    periodic: bool,
+    focus: float,
+    ratio: float,
+    core: float = 0.0,
 ) -> Axis:
-    """x(s) = focus + c·sinh(β(s − s₀)),  0 ≤ s ≤ 1: cells cluster at `focus`.
+    """d = t for t ≤ core, d = core + c·sinh((t − core)/c) beyond,  d = |x − focus|, t ∝ |s − s₀|
 
-    The width grows as cosh(β(s−s₀)), so that with β = arcosh(ratio)/max(s₀, 1−s₀) the widest
-    cell is about `ratio` times the narrowest. s₀ is the root that puts x(0), x(1) on the ends.
+    s = i/n at face i. Cells are equal up to `core` from the focus; beyond, their width grows as
+    √(1 + ((d − core)/c)²), c such that the farther end has `ratio` times the narrowest. The width
+    and its slope are continuous within the axis, which keeps the scheme's second order.
     """
     high = low + length
     if not low <= focus <= high:
         raise CaseError(
             f"domain.stretching: focus {focus:g} lies outside the {name} axis, {low:g} to {high:g}."
         )
-    if ratio <= 1.0:
+    below, above = focus - low, high - focus
+    beyond = max(below, above) - core
+    if ratio <= 1.0 or beyond <= 0.0:
         return uniform_axis(name, low, length, cells, periodic)
-    from scipy.optimize import brentq
+    growth = beyond / np.sqrt(ratio * ratio - 1.0)
 
-    def beta(s0: float) -> float:
-        return np.arccosh(ratio) / max(s0, 1.0 - s0)
+    def measure(distance: float) -> float:
+        """t of a distance d."""
+        outer = max(distance - core, 0.0)
+        return min(distance, core) + growth * np.arcsinh(outer / growth)
 
-    def mismatch(s0: float) -> float:
-        b = beta(s0)
-        return (focus - low) * np.sinh(b * (1 - s0)) - (high - focus) * np.sinh(b * s0)
-
-    s0 = brentq(mismatch, 0.0, 1.0, xtol=1e-15)
-    b = beta(s0)
-    scale = length / (np.sinh(b * (1 - s0)) + np.sinh(b * s0))
-    faces = focus + scale * np.sinh(b * (np.arange(cells + 1) / cells - s0))
+    t = np.linspace(-measure(below), measure(above), cells + 1)
+    outer = np.maximum(np.abs(t) - core, 0.0)
+    distance = np.minimum(np.abs(t), core) + growth * np.sinh(outer / growth)
+    faces = focus + np.copysign(distance, t)
     faces[0], faces[-1] = low, high
     return Axis(name, faces, periodic)

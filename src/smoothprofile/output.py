@@ -11,9 +11,8 @@
     lines.csv, structure.csv, plane.npz: at the end (see samples.py)
 
 Every row of a table is written at once, every other file beside its place and renamed, so that all
-of them can be read at every instant and a run that is killed keeps what it had computed. A file
-that cannot be written stops the run with an OutputError that names it; a checkpoint that cannot be
-written does not, and is tried again when the next one is due.
+can be read at every instant. A file that cannot be written stops the run with an OutputError that
+names it; a checkpoint that cannot does not, and is tried again when the next one is due.
 """
 
 import math
@@ -72,10 +71,11 @@ class RunDirectory:
         case_toml: str,
         preflight: Iterable[Mapping[str, Any]] = (),
         tell: Callable[[str], None] = lambda sentence: None,
+        seeds: Mapping[str, int] | None = None,
     ):
         """Make the directory. CaseError if anything of that name exists or it cannot be made.
 
-        tell: takes a sentence when a checkpoint cannot be written.
+        tell: takes a sentence when a checkpoint cannot be written. seeds: for run.json alone.
         """
         self.path = Path(path)
         try:
@@ -96,6 +96,7 @@ class RunDirectory:
             "ended": None,
             "command": shlex.join(sys.argv),
             "case": case_hash(case_toml),
+            "seeds": dict(seeds or {}),
             "versions": versions(),
             "machine": machine(),
             "preflight": list(preflight),
@@ -178,19 +179,25 @@ class RunDirectory:
             },
         }
 
-    def checkpoint(self, simulation: Any) -> None:
+    def checkpoint(self, simulation: Any, keep: bool = True) -> None:
         """Write where the run and its files are now, so that it can go on from here.
 
-        OutputError if it cannot be written; the one before then stands.
+        keep = False: in the place of the last one. OutputError if it cannot be written; the one
+        before then stands.
         """
-        self._write_checkpoint(simulation, self.saved())
+        self._write_checkpoint(simulation, self.saved(), keep)
 
-    def checkpoint_if_due(self, simulation: Any) -> None:
-        """A checkpoint if the last one is old enough; if it cannot be written, the run goes on.
+    def note_retry(self, note: Mapping[str, Any]) -> None:
+        """Tell in run.json where the run goes on with another Δt, and why."""
+        self._run["retries"] = [*self._run.get("retries", ()), {"at": now(), **note}]
+        self._write_run()
+
+    def checkpoint_if_due(self, simulation: Any, now: bool = False) -> None:
+        """A checkpoint if one is due, or `now`; if it cannot be written, the run goes on.
 
         OutputError if what was written before is not safe, or if the directory is gone.
         """
-        due = simulation.case.output.checkpoint_every
+        due = 0.0 if now else simulation.case.output.checkpoint_every
         if simulation.status != "running" or clock.monotonic() - self._last_checkpoint < due:
             return
         files = self.saved()
@@ -204,10 +211,12 @@ class RunDirectory:
                 f"{error} The run goes on and will try again; a resumed one begins at {last}."
             )
 
-    def _write_checkpoint(self, simulation: Any, files: Mapping[str, Any]) -> None:
+    def _write_checkpoint(
+        self, simulation: Any, files: Mapping[str, Any], keep: bool = True
+    ) -> None:
         self._last_checkpoint = clock.monotonic()
         tree = {"simulation": simulation.saved(), "directory": files}
-        write_checkpoint(self.path, self._case_toml, tree)
+        write_checkpoint(self.path, self._case_toml, tree, keep)
         self.checkpoint_at = simulation.moment
 
     def postmortem(self, simulation: Any) -> None:
@@ -228,8 +237,7 @@ class RunDirectory:
         if error is None:
             self._close()
             return
-        self._run["status"] = _status_of(error)
-        self._run["message"] = str(error) or type(error).__name__
+        self._run |= {"status": _status_of(error), "message": str(error) or type(error).__name__}
         # What ended the run is what is told, whatever else cannot be written then.
         with suppress(OutputError):
             self._close()

@@ -36,6 +36,8 @@ SECONDS_PER_STEP = 2e-3
 # State, provisional velocity, advection, δp, and the copies that output makes.
 FIELDS_PER_CELL = 19
 FIELDS_PER_LEVEL = 6
+# ψ and scratch of the iteration, ε on faces and corners, and the copies that output makes.
+RESOLVED_FIELDS = 20
 COLUMNS = {"velocity": 3, "pressure": 1, "indicator": 1, "potential": 1, "electric_field": 3}
 
 
@@ -43,7 +45,7 @@ def checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     """Every check of a case on its grid with the step that it will take."""
     found = [_advective_limit(case, pairing)]
     refuse(found)
-    found += _turning_field(case, pairing)
+    found += turning_check(case, pairing)
     refuse(found)
     if case.particles:
         found += _layer(case, grid, pairing)
@@ -51,7 +53,7 @@ def checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
         found += _surfaces(case, pairing)
     found += [
         _memory(case, grid),
-        disk_check(case, grid, _snapshots(case)),
+        disk_check(case, grid, snapshots(case)),
         _duration(case, grid, pairing),
     ]
     return found
@@ -94,7 +96,7 @@ def _advective_limit(case: Case, pairing: Pairing) -> Check:
     return check_row("time step", pairing.step, pairing.limit, verdict, note)
 
 
-def _turning_field(case: Case, pairing: Pairing) -> list[Check]:
+def turning_check(case: Case, pairing: Pairing) -> list[Check]:
     """Whether an alternating field is solved for often enough in a turn."""
     most, electric = turning_step(case), case.electric
     if math.isinf(most):
@@ -118,7 +120,7 @@ def _layer(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     xi = case.profile.thickness
     smallest = min(particle.thinnest[1] for particle in case.particles)
     # A profile that is compact needs its cells within its own width, not within ξ of tanh.
-    width = _widest_cell(case, grid)
+    width = widest_cell(case, grid)
     across = xi / width
     rows = []
     if math.isfinite(smallest):
@@ -141,7 +143,7 @@ def _layer(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     return rows
 
 
-def _widest_cell(case: Case, grid: Grid) -> float:
+def widest_cell(case: Case, grid: Grid) -> float:
     """The widest cell that a painted layer may meet: of the whole grid, or near bounded bodies."""
     widest = 0.0
     varying = [d for d in range(3) if not _invariant(case, d)]
@@ -255,6 +257,7 @@ def _flow_fields(case: Case) -> int:
     """Fields of the mesh's size that a run of the flow holds."""
     levels = scheme_named(case.time.scheme).levels
     fields = FIELDS_PER_CELL + FIELDS_PER_LEVEL * (levels - 1)
+    fields += RESOLVED_FIELDS if case.electric else 0
     return fields + 6 if case.particles else fields
 
 
@@ -282,7 +285,7 @@ def _free_memory() -> int:
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
 
 
-def _snapshots(case: Case) -> int:
+def snapshots(case: Case) -> int:
     every = case.output.fields_every
     return 1 + (math.floor(case.time.end / every) if every else 0)
 

@@ -51,4 +51,5 @@ def _row(run: Any) -> dict[str, Any]:
         "time": run.time,
         "status": run.status,
         "wall_seconds": run.wall_seconds,
+        "retries": run.retries,
     }

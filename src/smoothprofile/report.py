@@ -220,10 +220,15 @@ def _resolution(record: RunRecord) -> str:
 
 def _error_card(record: RunRecord) -> str:
     rows = [
-        (line["name"], webpage.number(line["value"]), line["verdict"], line["note"])
+        (line["name"], _short(line["value"]), line["verdict"], line["note"])
         for line in record.summary.get("error_card", ())
     ]
     return webpage.table(("what", "value", "verdict", ""), rows, numbers={1})
+
+
+def _short(value: float | None) -> str:
+    """Three digits, which are enough for an error."""
+    return webpage.number(value if value is None else float(f"{value:.3g}"))
 
 
 def _preliminary(record: RunRecord) -> str:

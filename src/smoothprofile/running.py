@@ -1,19 +1,20 @@
 """From a run and its directory to its end: what `spm run` and `spm resume` do alike."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import typer
 
 from smoothprofile.checkpoint import has_checkpoint, read_checkpoint
-from smoothprofile.config import load_case
+from smoothprofile.config import load_case, seeds_of
 from smoothprofile.console import BLEW_UP, Watcher, leave, print_json, print_table, say
 from smoothprofile.errors import BlowUpError, CaseError, OutputError, StoppedError
 from smoothprofile.output import RunDirectory, next_free_directory
 from smoothprofile.provenance import LOCK, lock, unlock
 from smoothprofile.repeating import OTHER, check_repeatable, compared
 from smoothprofile.report import write_report
+from smoothprofile.retrying import can_be_retried, due_changes, gone_back, plan_of
 from smoothprofile.runrecord import read_json
 from smoothprofile.runs import Run, run_of
 from smoothprofile.safefiles import reason
@@ -24,20 +25,22 @@ UNBEGUN = {LOCK, "run.json", "run.json.new", "case.toml.new"}
 ENDED = ("finished", "steady", "max_steps")
 
 
-def start(case: str, loaded: Any, out: Path | None, json: bool) -> None:
-    """Run a case in a new directory."""
+def start(case: str, settings: list[str], out: Path | None, json: bool, retry: int = 0) -> None:
+    """Run a case in a new directory; after a blow-up, up to `retry` times with a smaller Δt."""
+    loaded, seeds = load_case(case, settings), seeds_of(case, settings)
     with Watcher(quiet=json) as watcher:
         simulation = run_of(loaded)
         for row in simulation.preflight():
             if row["verdict"] == "warn":
                 say("Note: {name} is {value:.3g}, against {limit:.3g}: {note}.".format(**row))
         path = out or next_free_directory("runs", Path(case).stem)
-        directory = RunDirectory(path, simulation.case.to_toml(), simulation.preflight(), say)
-        ended = _run(simulation, directory, watcher)
+        text = simulation.case.to_toml()
+        directory = RunDirectory(path, text, simulation.preflight(), say, seeds)
+        ended = _to_its_end(simulation, directory, watcher, retry)
     _tell(simulation, path, ended, json)
 
 
-def start_or_go_on(case: str, loaded: Callable[[], Any], out: Path, json: bool) -> None:
+def start_or_go_on(case: str, settings: list[str], out: Path, json: bool, retry: int = 0) -> None:
     """Run a case in a directory, or what is left of it if the directory is there.
 
     One in which a run was killed before it had written its case is begun anew.
@@ -49,12 +52,12 @@ def start_or_go_on(case: str, loaded: Callable[[], Any], out: Path, json: bool) 
         unlock(out, held)
         out.rmdir()
     if out.exists():
-        go_on(out, json)
+        go_on(out, json, retry)
     else:
-        start(case, loaded(), out, json)
+        start(case, settings, out, json, retry)
 
 
-def go_on(path: Path, json: bool) -> None:
+def go_on(path: Path, json: bool, retry: int = 0) -> None:
     """Run what is left of the run in a directory. CaseError if nothing is, or it has no case."""
     if not (path / "case.toml").is_file():
         raise CaseError(f"{path} is not a run directory: it holds no case.toml.")
@@ -65,7 +68,7 @@ def go_on(path: Path, json: bool) -> None:
         simulation, directory = taken_up(path, say)
         where = directory.checkpoint_at or "the start, for it left no checkpoint"
         say(f"Going on in {path} from {where}.")
-        ended = _run(simulation, directory, watcher)
+        ended = _to_its_end(simulation, directory, watcher, retry)
     _tell(simulation, path, ended, json)
 
 
@@ -78,7 +81,7 @@ def repeat(path: Path, out: Path | None, json: bool) -> None:
         simulation = run_of(case)
         new = out or next_free_directory(path.parent, f"{path.name}-again")
         directory = RunDirectory(new, simulation.case.to_toml(), simulation.preflight(), say)
-        ended = _run(simulation, directory, watcher)
+        ended = _run(simulation, directory, watcher, plan=plan_of(read_json(path / "summary.json")))
     if isinstance(ended, BaseException):
         leave(ended, json, new, _report(new))
     found = compared(path, new)
@@ -105,8 +108,41 @@ def taken_up(path: Path, tell: Callable[[str], None]) -> tuple[Run, RunDirectory
     return simulation, RunDirectory.resumed(path, saved, simulation, tell)
 
 
-def _run(simulation: Run, directory: RunDirectory, watcher: Watcher) -> Any:
-    """The summary, or what broke the run off."""
+def _to_its_end(simulation: Run, directory: RunDirectory, watcher: Watcher, retry: int) -> Any:
+    """The summary, or what broke the run off; after a blow-up it goes back, `retry` times at most.
+
+    A retry that blows up no later than the one before goes back by one more checkpoint.
+    """
+    ended, farthest = _run(simulation, directory, watcher, retry > 0), (0, 0.0)
+    for _ in range(retry):
+        if not can_be_retried(simulation, ended):
+            break
+        run = simulation.under_way
+        at = (len(simulation.preliminary), run.time)
+        older, farthest = at <= farthest, max(at, farthest)
+        say(str(ended))
+        try:
+            directory = gone_back(
+                simulation, directory.path, str(ended), run.time_step, ended.step, older, say
+            )
+        except (CaseError, OutputError) as error:
+            say(f"It cannot be tried again: {error}")
+            break
+        ended = _run(simulation, directory, watcher, True)
+    return ended
+
+
+def _run(
+    simulation: Run,
+    directory: RunDirectory,
+    watcher: Watcher,
+    to_go_back: bool = False,
+    plan: Sequence[dict] = (),
+) -> Any:
+    """The summary, or what broke the run off.
+
+    to_go_back: with a checkpoint after the first step too. plan: where Δt is changed.
+    """
     limit = simulation.case.output.stop_after
     with Stops(limit, say) as stops:
 
@@ -118,10 +154,13 @@ def _run(simulation: Run, directory: RunDirectory, watcher: Watcher) -> Any:
                 return
             if reason := stops.reason():
                 _stop(simulation, directory, f"Stopped by {reason} at t = {running.time:.6g}")
-            directory.checkpoint_if_due(simulation)
+            directory.checkpoint_if_due(simulation, now=to_go_back and running.steps == 1)
+            due_changes(simulation, running, plan)
 
         try:
             with directory:
+                if plan and not simulation.case.start:
+                    due_changes(simulation, simulation, plan)
                 _watched(simulation, directory, observe)
                 return directory.finish(simulation)
         except OutputError as error:
@@ -155,6 +194,8 @@ def _goes_on(directory: RunDirectory) -> str:
 
 def _tell(simulation: Run, path: Path, ended: Any, json: bool) -> None:
     page = _report(path)
+    if can_be_retried(simulation, ended):
+        say(f"spm resume {path} --retry 1 goes back to its last checkpoint, with a smaller Δt.")
     if isinstance(ended, BaseException):
         leave(ended, json, path, page)
     if json:

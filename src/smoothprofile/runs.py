@@ -3,16 +3,19 @@
 from collections.abc import Mapping
 from os import PathLike
 
-from smoothprofile.config import Case, load_case
+from smoothprofile.config import Case, is_stokes, load_case
 from smoothprofile.electrostatics import Electrostatics
 from smoothprofile.simulation import Simulation
+from smoothprofile.stokes_simulation import StokesSimulation
 
-Run = Simulation | Electrostatics
+Run = Simulation | StokesSimulation | Electrostatics
 
 
 def run_of(case: Case) -> Run:
-    """A Simulation for a case with [fluid], Electrostatics for one of a field alone."""
-    return Electrostatics(case) if case.fluid is None else Simulation(case)
+    """A Simulation for a case with [fluid], or one without inertia; Electrostatics without."""
+    if case.fluid is None:
+        return Electrostatics(case)
+    return StokesSimulation(case) if is_stokes(case) else Simulation(case)
 
 
 def from_file(

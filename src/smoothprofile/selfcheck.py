@@ -1,13 +1,15 @@
 """The error card of a run: what it can say of its own errors at its end.
 
 divergence       max|∇·u| h / max|u|
-momentum         |f V − F_walls − F_bodies| / (|f|V + |F_walls| + |F_bodies|)     at a steady state
+momentum         |f V − ΣF_walls + ΣB − d(ρ∫u)/dt| over the sum of their sizes
+energy           |work − dissipation − d(½ρ∫u²)/dt| over the sum of their sizes
 slip             max|u(R) − V| / max|u|
 overlap          max(a₁ + a₂ − |R₁ − R₂|) / a        of spheres
 a/ξ, ξ/Δx, √(νΔt)/ξ beside its best                  from the checks before the run
 
-f is what drives the fluid, by volume; F_walls and F_bodies are what it gives to walls and bodies.
-Each is green, amber or red, with its reason; limits are per cent of an answer, not of round-off.
+Both budgets are those of the last step (`budget.py` has them in full). After a blow-up and a retry
+the step that was taken is told. Each is green, amber or red, with its reason; limits are per cent
+of an answer, not of round-off.
 """
 
 from typing import Any
@@ -15,6 +17,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from smoothprofile.budget import Budget
+from smoothprofile.config import is_stokes
 from smoothprofile.distances import SPHERE
 
 Line = dict[str, Any]
@@ -28,10 +32,13 @@ RESOLUTION = ("a/ξ", "ξ/Δx", "√(νΔt)/ξ")
 def error_card(run: Any) -> list[Line]:
     """Lines name, value, verdict, note."""
     lines = [_divergence(run)]
-    if run.status == "steady":
-        lines.append(_momentum(run))
+    if is_stokes(run.case):
+        lines += _of_solve(run)
+    elif run.budget is not None:
+        lines += [_momentum(run.budget), _energy(run.budget)]
     if run.case.particles:
         lines += [_slip(run), *_overlap(run)]
+    lines += [_retried(run)] if run.retries else []
     return lines + [_resolution(check) for check in run.preflight() if check["name"] in RESOLUTION]
 
 
@@ -43,19 +50,49 @@ def _line(name: str, value: float, limits: tuple[float, float], note: str) -> Li
 
 def _divergence(run: Any) -> Line:
     speed, width = max(run.extremes.speed), min(run.grid.smallest_widths)
-    largest = run.flow.projection.largest_divergence(run.state.velocity)
-    share = largest * width / speed if speed else 0.0
+    share = run.largest_divergence * width / speed if speed else 0.0
     limits = ROUND_OFF[run.case.domain.precision]
     return _line("divergence", share, limits, "largest, over the largest speed and a cell")
 
 
-def _momentum(run: Any) -> Line:
+def _momentum(budget: Budget) -> Line:
+    note = "drive less what walls, bodies and the gain take, over their sum; last step"
+    return _line("momentum", budget.momentum, SHARES, note)
+
+
+def _energy(budget: Budget) -> Line:
+    """With how much of the dissipation is the slip of fluid through the layers of bodies."""
+    note = "work less dissipation and gain, over their sum; last step"
+    lost = budget.viscous + budget.layers
+    if budget.layers and lost > 0.0:
+        share = f"{100.0 * budget.layers / lost:.0f} %"
+        note += f"; {share} is dissipated by slip through the layers of bodies"
+    return _line("energy", budget.energy, SHARES, note)
+
+
+def _of_solve(run: Any) -> list[Line]:
+    """Of the last Stokes solve: its residual, and the balance of the forces on all fluid."""
+    report, wanted = run.flow.report, run.flow.tolerance
+    note = f"{report.status}, {report.iterations} iterations in the last step"
+    forces = [*run.bodies.state.force, run.wall_force["total"]]
     driven = run.driving_force * run.grid.volume
-    walls, bodies = run.wall_force["total"], run.bodies.state.force.sum(axis=0)
-    size = sum(float(np.linalg.norm(part)) for part in (driven, walls, bodies))
-    left = float(np.linalg.norm(driven - walls - bodies))
-    note = "what drives the fluid, less what walls and bodies take, over their sum"
-    return _line("momentum", left / size if size else 0.0, SHARES, note)
+    # Along walled axes pressure on the walls drives and holds; what is left out of it is nothing.
+    lack = np.abs(np.sum(forces, axis=0) - np.where(run.grid.periodic, driven, 0.0)).sum()
+    size = float(np.abs(forces).sum() + np.abs(driven).sum())
+    balance = "of what drives and holds the fluid, over the sum of it; the last step"
+    return [
+        _line("residual", report.residual, (wanted, 100.0 * wanted), note),
+        _line("momentum", lack / size if size else 0.0, SHARES, balance),
+    ]
+
+
+def _retried(run: Any) -> Line:
+    first, last = run.retries[0], run.retries[-1]
+    note = (
+        f"halved from {first['time_step_before']:.4g}, for the last time at t = "
+        f"{last['time']:.4g}, for the run blew up"
+    )
+    return {"name": "Δt", "value": last["time_step"], "verdict": AMBER, "note": note}
 
 
 def _slip(run: Any) -> Line:

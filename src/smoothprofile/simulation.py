@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from smoothprofile import cuts, sampling
+from smoothprofile import sampling
 from smoothprofile.assembly import (
     build_action,
     build_flow,
@@ -23,43 +23,48 @@ from smoothprofile.assembly import (
 )
 from smoothprofile.blowup import watch_flow
 from smoothprofile.boundaries import fill_ghosts, pressure_boundary
-from smoothprofile.config import Case, build_shape, load_case
+from smoothprofile.budget import Budget, take_with_budget
+from smoothprofile.config import Case, build_shape, is_stokes, load_case
 from smoothprofile.coupling import coupling_named, set_out
 from smoothprofile.errors import CaseError
-from smoothprofile.flow.monitor import Extremes
-from smoothprofile.grid import AXIS_NAMES, interior
+from smoothprofile.field_checks import flow_checks
+from smoothprofile.flow.walls import Walls
+from smoothprofile.grid import interior
 from smoothprofile.pairing import expected_speed, pair
 from smoothprofile.particles.motion import Course
 from smoothprofile.particles.watch import BodyWatch
-from smoothprofile.preflight import Check, check_memory, checks, refuse
+from smoothprofile.preflight import check_memory, refuse
 from smoothprofile.preliminary import PreliminaryRuns
-from smoothprofile.rows import body_rows, history_row, totals
 from smoothprofile.tables import result_table
-from smoothprofile.threads import ThreadTrial, thread_count
+from smoothprofile.threads import ThreadTrial
+from smoothprofile.views import FlowViews
 
 Observer = Callable[["Simulation"], None]
 
 
-class Simulation:
+class Simulation(FlowViews):
     """One run of a case. Bad cases raise CaseError here, before any step is taken."""
+
+    has_inertia = True
 
     def __init__(self, case: Case, courses: Mapping[str, Course] | None = None):
         """courses: for some bodies by name, a function t -> (position, quaternion, V, Ω)."""
         if case.fluid is None:
             raise CaseError("this case has no [fluid]: it is a field alone, for Electrostatics.")
+        if is_stokes(case):
+            raise CaseError('fluid.flow is "stokes"; such a case is one for StokesSimulation.')
         check_memory(case)
         self.case = case
         self.grid = build_grid(case.domain)
         reaches = [build_shape(particle).reach for particle in case.particles]
         self.pairing = pair(case, self.grid, expected_speed(case, reaches))
-        self._checks = checks(case, self.grid, self.pairing)
+        self._checks = flow_checks(case, self.grid, self.pairing)
         refuse(self._checks)
         self._courses = dict(courses or {})
         self.bodies_move = bool(courses) or any(p.motion != "held" for p in case.particles)
         self.flow = build_flow(case, self.grid)
         self.state = initial_state(case, self.flow)
-        speed = max(self.pairing.speed)
-        self.action = build_action(case, self.grid)
+        speed, self.action = max(self.pairing.speed), build_action(case, self.grid)
         self.bodies = build_particles(
             case, self.flow, self.pairing.step, speed, self._by_number(), self.action
         )
@@ -68,11 +73,11 @@ class Simulation:
         extents = self.bodies.painter.forms.extents
         self._watch_bodies = BodyWatch(self.grid, self.bodies.free.rows, extents, names)
         self._couple = coupling_named(case.time.coupling)
-        self.status = "running"
-        self.wall_seconds = 0.0
-        self._first_seconds = 0.0
+        self.status, self.wall_seconds, self._first_seconds = "running", 0.0, 0.0
         self._threads = ThreadTrial()
         self.history: dict[str, list] = {}
+        self.retries: list[dict[str, Any]] = []
+        self.budget: Budget | None = None
         self._stages = PreliminaryRuns(
             case.stages()[:-1], lambda stage: Simulation(stage, self._courses)
         )
@@ -83,19 +88,6 @@ class Simulation:
     ) -> "Simulation":
         """From a TOML file, a built-in case's name or a dict; {"time.end": 2} changes it."""
         return cls(load_case(case, overrides or {}))
-
-    @property
-    def time(self) -> float:
-        return self.state.time
-
-    @property
-    def extremes(self) -> Extremes:
-        """Largest speed and change of the last step."""
-        return self.flow.extremes
-
-    @property
-    def steps(self) -> int:
-        return self.state.steps
 
     @property
     def moment(self) -> str:
@@ -133,7 +125,8 @@ class Simulation:
         """One step, its watch, its row of history, and the decision whether to go on."""
         self._threads.begin()
         began = clock.perf_counter()
-        self._couple(self.flow, self.bodies, self.state, self.time_step)
+        parts = self.flow, self.bodies, self.state, self.time_step
+        self.budget = take_with_budget(self, lambda: self._couple(*parts))
         watch_flow(self)
         self._watch_bodies(self.bodies.state.position, self.time, self.time_step)
         self.status = self._decide()
@@ -154,6 +147,9 @@ class Simulation:
             "bodies": self.bodies.saved(),
             "action": self.action.saved(),
             "status": self.status,
+            "time_step": self.time_step,
+            "retries": self.retries,
+            "budget": self.budget and self.budget.saved(),
             "wall_seconds": self.wall_seconds,
             "history": {name: np.array(values) for name, values in self.history.items()},
             "preliminary": self.preliminary,
@@ -164,13 +160,21 @@ class Simulation:
         if "stages" in saved:
             self._stages.restore(saved["stages"])
             return
+        if saved["time_step"] != self.time_step:
+            self.take_step(saved["time_step"])
         self.state.restore(saved["flow_state"])
         self.flow.restore(saved["flow"])
         self.bodies.restore(saved["bodies"])
         self.action.restore(saved["action"])
         self.status, self.wall_seconds = saved["status"], saved["wall_seconds"]
         self.history = {name: list(values) for name, values in saved["history"].items()}
-        self._stages.rows = saved["preliminary"]
+        self._stages.rows, self.retries = saved["preliminary"], list(saved["retries"])
+        self.budget = saved["budget"] and Budget(**saved["budget"])
+
+    def take_step(self, step: float) -> None:
+        """Begin again at time 0, with another Δt; CaseError if the case cannot be run with it."""
+        time = self.case.time.model_copy(update={"step": step})
+        self.__init__(self.case.model_copy(update={"time": time}), self._courses)
 
     def continue_from(self, other: "Simulation") -> None:
         """Start from the fields of another run over the same box, at this run's own time 0."""
@@ -186,62 +190,10 @@ class Simulation:
         self.flow.fill(self.state.velocity, 0.0)
         set_out(self.flow, self.bodies, self.state)
 
-    def _decide(self) -> str:
-        rules = self.case.time
-        settled = self.extremes.rate(self.time_step) < (rules.steady_tolerance or 0.0)
-        if settled and self.steps > 1:
-            return "steady"
-        if self.time >= rules.end * (1 - 1e-12):
-            return "finished"
-        if rules.max_steps and self.steps >= rules.max_steps:
-            return "max_steps"
-        return "running"
-
-    def _by_number(self) -> dict[int, Course]:
-        names = [particle.name for particle in self.case.particles]
-        for name in self._courses:
-            if name not in names:
-                raise CaseError(f"courses names {name!r}; the bodies are {', '.join(names)}.")
-            if self.case.particles[names.index(name)].motion == "free":
-                raise CaseError(f"courses names {name!r}, which moves freely and takes no course.")
-        return {names.index(name): course for name, course in self._courses.items()}
-
-    def _record(self) -> None:
-        row = history_row(self)
-        for name, value in row.items():
-            self.history.setdefault(name, []).append(value)
-
-    @property
-    def seconds_per_step(self) -> float:
-        """Mean over all steps but the first, which may have to compile."""
-        if self.steps < 2:
-            return self.wall_seconds
-        return (self.wall_seconds - self._first_seconds) / (self.steps - 1)
-
-    @property
-    def velocity(self) -> np.ndarray:
-        """(3,nx,ny,nz) at the cell centres."""
-        return sampling.centred_velocity(self.state.velocity)
-
     @property
     def pressure(self) -> np.ndarray:
         """(nx,ny,nz), in the case's own units of pressure, with zero mean."""
         return self.case.fluid.density * interior(self.state.pressure)
-
-    @property
-    def indicator(self) -> np.ndarray:
-        """(nx,ny,nz): φ of all bodies at the cell centres, as painted."""
-        return self.bodies.painter.centred()
-
-    @property
-    def potential(self) -> np.ndarray:
-        """(nx,ny,nz): V at the cell centres; zero without a field."""
-        return self.action.potential(self.grid)
-
-    @property
-    def electric_field(self) -> np.ndarray:
-        """(3,nx,ny,nz): E at the cell centres; zero without a field."""
-        return self.action.vectors(self.grid)
 
     @property
     def driving_force(self) -> np.ndarray:
@@ -250,80 +202,18 @@ class Simulation:
         return np.asarray(self.case.fluid.body_force) + held
 
     @property
-    def wall_force(self) -> dict[str, np.ndarray]:
-        """Force of the fluid on each wall over the last step, and their total."""
-        forces = self.flow.wall_force(self.state)
-        return forces | {"total": sum(forces.values(), np.zeros(3))}
+    def mean_velocity(self) -> list[float]:
+        """⟨u⟩ (3,) of fluid and bodies together."""
+        mean = self.flow.mean_flow.plain_mean
+        return [mean(field, c) for c, field in enumerate(self.state.velocity)]
 
     @property
-    def particles(self) -> list[dict[str, Any]]:
-        """One dict a body: place, motion, loads, and the fluid's velocity at its centre."""
-        return body_rows(self)
+    def largest_divergence(self) -> float:
+        return self.flow.projection.largest_divergence(self.state.velocity)
 
-    def sample_line(self, axis: str, through: tuple[float, float], component: str):
-        """Coordinates and a velocity component along `axis` through the two other coordinates."""
-        a, c = AXIS_NAMES.index(axis), AXIS_NAMES.index(component)
-        return sampling.along_line(self.grid, self.state.velocity, a, through, c)
-
-    def sample_plane(self, axis: str, at: float) -> dict[str, Any]:
-        """On the cell centres of a plane: speed, in-plane velocity, φ, and the electric field."""
-        return {
-            **cuts.frame(self.grid, axis, at, self.indicator),
-            **cuts.flow_cut(self.grid, self.state.velocity, axis, at),
-            **self._field_cut(axis, at),
-        }
-
-    def _field_cut(self, axis: str, at: float) -> dict[str, Any]:
-        if self.case.electric is None or self.action.loads is None:
-            return {}
-        reach = np.array([build_shape(particle).reach for particle in self.case.particles])
-        force = self.action.loads.force
-        return {
-            **cuts.field_cut(self.grid, self.electric_field, self.potential, axis, at),
-            **cuts.forces_in_cut(self.grid, self.bodies.state, reach, force, axis, at),
-        }
-
-    def wall_shear(self, wall: str, component: str, along: str, at: float):
-        """Coordinates along a wall and ∂u_component/∂x_normal there."""
-        c = AXIS_NAMES.index(component)
-        axis, side = AXIS_NAMES.index(wall[0]), int(wall.endswith("high"))
-        speed = self.flow.parameters.walls.velocity_at(axis, side, self.time)[c]
-        a = AXIS_NAMES.index(along)
-        return sampling.wall_slope(self.grid, self.state.velocity, wall, c, a, at, speed)
-
-    def preflight(self) -> list[Check]:
-        """The checks made before the run; see `preflight.py`."""
-        return list(self._checks)
-
-    def summary(self) -> dict[str, Any]:
-        """The result in one dict."""
-        keys = ("name", "force", "torque", "position", "velocity", "interior_velocity")
-        earlier = sum(stage["wall_seconds"] for stage in self.preliminary)
-        return {
-            "status": self.status,
-            "steps": self.steps,
-            "time": self.time,
-            "time_step": self.time_step,
-            "wall_seconds": self.wall_seconds + earlier,
-            "seconds_per_step": self.seconds_per_step,
-            "cells": self.grid.cell_count,
-            "threads": thread_count(),
-            "bodies": [
-                {key: body[key] for key in (*keys, "angular_velocity", "painted_offset")}
-                for body in self.particles
-            ],
-            "wall_force": self.wall_force,
-            "driving_force": self.driving_force,
-            **totals(self),
-            "mean_velocity": [
-                self.flow.mean_flow.plain_mean(field, c)
-                for c, field in enumerate(self.state.velocity)
-            ],
-            "max_divergence": self.flow.projection.largest_divergence(self.state.velocity),
-            "change_rate": self.extremes.rate(self.time_step),
-            "resolution": {check["name"]: check["value"] for check in self._checks},
-            "start": self.preliminary,
-        }
+    @property
+    def walls(self) -> Walls:
+        return self.flow.parameters.walls
 
     def table(self) -> list[tuple[str, str, str]]:
         """The result as rows quantity, value, note, for people."""

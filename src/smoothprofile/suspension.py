@@ -57,8 +57,7 @@ def settling(simulation: Any) -> dict[str, Any]:
     strength = np.linalg.norm(gravity)
     if not strength:
         return {"mean_particle_velocity": mean}
-    mean_of, velocity = simulation.flow.mean_flow.plain_mean, simulation.state.velocity
-    speed = sum(gravity[c] * (mean[c] - mean_of(velocity[c], c)) for c in np.flatnonzero(gravity))
+    speed = gravity @ (mean - np.array(simulation.mean_velocity))
     return {"mean_particle_velocity": mean, "settling_velocity": float(speed / strength)}
 
 

@@ -5,12 +5,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from smoothprofile.assembly import smoothing_of
+from smoothprofile.field_checks import smoothing_note
 from smoothprofile.numbers import number_rows
 from smoothprofile.rows import fastest
 
 if TYPE_CHECKING:
+    from smoothprofile.config import Case
     from smoothprofile.electrostatics import Electrostatics
     from smoothprofile.simulation import Simulation
+    from smoothprofile.stokes_simulation import StokesSimulation
+    from smoothprofile.views import FlowViews
 
 MOST_BODIES = 6
 
@@ -26,8 +31,40 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
         shift = _round(pairing.shift, 4)
         note = f"best {pairing.best_ratio:.4f}; a flat wall retreats {shift:.4f} ξ"
         rows.append(("√(νΔt)/ξ", f"{pairing.ratio:.4f}", note))
-    bodies = run.particles
     vector = _vector if run.case.units is None else _relative
+    rows += _of_bodies(run, summary, vector)
+    if run.flow.mean_flow.targets:
+        rows.append(("driving force", vector(run.driving_force), "per unit volume"))
+    rows += [
+        *_numbers(number_rows(run.case, fastest(run))),
+        ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
+        ("rate of change", f"{summary['change_rate']:.2g}", "max|∂u/∂t|/max|u|"),
+        ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
+    ]
+    return rows
+
+
+def stokes_table(run: "StokesSimulation") -> list[tuple[str, str, str]]:
+    """The result of a run without inertia as rows quantity, value, note, for people."""
+    summary, report = run.summary(), run.flow.report
+    vector = _vector if run.case.units is None else _relative
+    went = f"{run.steps} steps to t = {run.time:.6g}" if run.steps else "nothing moves"
+    solved = f"residual {report.residual:.2g}, of the last flow"
+    return [
+        ("status", run.status, went),
+        ("time step", f"{run.time_step:.6g}", "no limit of stability"),
+        ("iterations", str(report.iterations), solved),
+        *_of_bodies(run, summary, vector),
+        ("driving force", vector(run.driving_force), "per unit volume"),
+        *_numbers(number_rows(run.case, fastest(run))),
+        ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
+        ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
+    ]
+
+
+def _of_bodies(run: "FlowViews", summary: dict, vector: Callable) -> list[tuple[str, str, str]]:
+    """What a run of a fluid says of its bodies, of their suspension, and of the walls."""
+    rows, bodies = _of_permittivity(run.case), run.particles
     for body, particle in zip(bodies[:MOST_BODIES], run.case.particles, strict=False):
         rows += _of_body(body, particle.motion == "free", vector)
     if len(bodies) > MOST_BODIES:
@@ -42,14 +79,6 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
         note = f"beads; the longest has {summary['longest_chain']}"
         rows.append(("mean chain length", f"{summary['mean_chain_length']:.4g}", note))
     rows.append(("force on the walls", vector(summary["wall_force"]["total"]), ""))
-    if run.flow.mean_flow.targets:
-        rows.append(("driving force", vector(run.driving_force), "per unit volume"))
-    rows += [
-        *_numbers(number_rows(run.case, fastest(run))),
-        ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
-        ("rate of change", f"{summary['change_rate']:.2g}", "max|∂u/∂t|/max|u|"),
-        ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
-    ]
     return rows
 
 
@@ -63,6 +92,7 @@ def field_table(run: "Electrostatics") -> list[tuple[str, str, str]]:
         ("mean field", _vector(summary["mean_field"]), ""),
         ("mean displacement", _vector(summary["mean_displacement"]), ""),
         ("energy", f"{summary['energy']:.6g}", "½∫E·εE dV"),
+        *_of_permittivity(run.case),
     ]
     if run.effective_permittivity is not None:
         for name, row in zip("xyz", run.effective_permittivity, strict=True):
@@ -76,6 +106,12 @@ def field_table(run: "Electrostatics") -> list[tuple[str, str, str]]:
     seconds = f"{summary['wall_seconds']:.3g} s"
     rows += _numbers(number_rows(run.case))
     return [*rows, ("wall-clock", seconds, _threads(summary["threads"]))]
+
+
+def _of_permittivity(case: "Case") -> list[tuple[str, str, str]]:
+    if case.electric is None or not case.particles:
+        return []
+    return [("smoothing of ε", smoothing_of(case), smoothing_note(case))]
 
 
 def _in_field(body: dict) -> list[tuple[str, str, str]]:

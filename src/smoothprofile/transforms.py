@@ -13,14 +13,11 @@ from functools import partial
 
 import ducc0
 import numpy as np
-import scipy.linalg
-from numba import njit, prange
 
 from smoothprofile.boundaries import FieldBoundary
+from smoothprofile.dense_bases import Transform, dense_basis
 from smoothprofile.grid import Axis, Grid
 from smoothprofile.threads import thread_count
-
-Transform = Callable[[np.ndarray, int], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,45 +174,8 @@ def _trigonometric(kind: str, forward_type: int, eigenvalues: np.ndarray, n: int
 
 
 def _dense(difference: SecondDifference, dtype: type) -> Basis:
-    root = np.sqrt(difference.weights)
-    symmetric = difference.dense() * root[:, None] / root[None, :]
-    eigenvalues, vectors = scipy.linalg.eigh(0.5 * (symmetric + symmetric.T))
-    # Round-off leaves the constant mode of a zero-flux or periodic axis near, not at, zero.
-    eigenvalues[np.abs(eigenvalues) < 1e-12 * np.abs(eigenvalues).max()] = 0.0
-    to_modes = np.ascontiguousarray((vectors.T * root).astype(dtype))
-    to_values = np.ascontiguousarray((vectors / root[:, None]).astype(dtype))
-
-    def forward(view: np.ndarray, axis: int) -> None:
-        _multiply_along(np.moveaxis(view, axis, 1), to_modes)
-
-    def backward(view: np.ndarray, axis: int) -> None:
-        _multiply_along(np.moveaxis(view, axis, 1), to_values)
-
-    return Basis(eigenvalues, forward, backward, 1.0)
-
-
-@njit(parallel=True, cache=True)
-def _multiply_along(f, matrix):
-    """f[i, :, k] ← matrix · f[i, :, k], written out so that no BLAS thread count changes a bit."""
-    planes, n, columns = f.shape
-    for i in prange(planes):
-        source = np.empty((n, columns), f.dtype)
-        row = np.empty(columns, f.dtype)
-        source[:, :] = f[i]
-        # Four products to each store: a third faster than one.
-        whole = n - n % 4
-        for m in range(n):
-            row[:] = 0
-            for l in range(0, whole, 4):
-                a, b, c, d = matrix[m, l], matrix[m, l + 1], matrix[m, l + 2], matrix[m, l + 3]
-                for k in range(columns):
-                    row[k] += (a * source[l, k] + b * source[l + 1, k]) + (
-                        c * source[l + 2, k] + d * source[l + 3, k]
-                    )
-            for l in range(whole, n):
-                for k in range(columns):
-                    row[k] += matrix[m, l] * source[l, k]
-            f[i, m, :] = row
+    found = dense_basis(difference.dense(), difference.weights, difference.periodic, dtype)
+    return Basis(*found, 1.0)
 
 
 def mode_shape(shape: tuple[int, int, int]) -> tuple[int, int, int]:

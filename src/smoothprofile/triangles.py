@@ -20,6 +20,10 @@ LARGEST_FILE = 256 * 2**20
 SLIVER = 1e-12
 """Double area of a triangle over its longest side squared below which it counts as degenerate."""
 OFFER = "repair = true would mend what can be mended"
+FARTHEST = 1e30
+"""Largest coordinate: its fifth power, which moments take, is still a number."""
+THINNEST = 1e4
+"""Longest side of a surface over its shortest, from which no grid that samples it is of use."""
 
 
 class SurfaceError(CaseError):
@@ -72,12 +76,18 @@ def surface_of(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     """
     vertices = np.ascontiguousarray(vertices, dtype=np.float64)
     faces = np.ascontiguousarray(faces, dtype=np.int64)
+    _check_numbers(vertices)
     _check_triangles(vertices, faces)
     _check_edges(faces)
     volume, first, second = moments(vertices, faces)
     if volume <= 0.0:
         allowed = "must face outwards, and repair = true would turn it"
         raise SurfaceError(f"its surface is inverted, with volume {volume:.4g}; it {allowed}")
+    sides = np.ptp(vertices, axis=0)
+    if sides.max() > THINNEST * sides.min():
+        shown = " × ".join(f"{side:.4g}" for side in sides)
+        allowed = f"no side may be {THINNEST:g} times another"
+        raise SurfaceError(f"it is a needle or a foil, with a bounding box of {shown}; {allowed}")
     samples, winding = sample(vertices, faces)
     d = samples.values[:, 0].reshape(winding.shape)
     # Nodes on the surface itself, to the round-off of single precision, are on either side.
@@ -119,11 +129,17 @@ def _read(content: bytes) -> tuple[np.ndarray, np.ndarray]:
     # A file that is no STL makes the library fail in many ways, all of which mean the same.
     except Exception:
         raise SurfaceError("it is not an STL file, ASCII or binary") from None
-    if not np.all(np.isfinite(soup)):
-        raise SurfaceError("it has coordinates that are not finite numbers")
+    _check_numbers(soup)
     # −0 and 0 are the same place.
     vertices, which = np.unique(soup + 0.0, axis=0, return_inverse=True)
     return vertices, which.reshape(-1, 3)
+
+
+def _check_numbers(vertices: np.ndarray) -> None:
+    if not np.all(np.isfinite(vertices)):
+        raise SurfaceError("it has coordinates that are not finite numbers")
+    if np.abs(vertices).max(initial=0.0) > FARTHEST:
+        raise SurfaceError(f"it has coordinates beyond {FARTHEST:g}")
 
 
 def _check_triangles(vertices: np.ndarray, faces: np.ndarray) -> None:

@@ -14,8 +14,10 @@ from smoothprofile.calibration.flow import (
     resistance_ratio,
     surface_offset,
 )
+from smoothprofile.calibration.stokes import StokesSphere, stokes_shift, stokes_sphere
 
 __all__ = [
+    "StokesSphere",
     "best_ratio",
     "best_time_step",
     "dielectric_offset",
@@ -25,5 +27,7 @@ __all__ = [
     "interface_shift",
     "painted_radius",
     "resistance_ratio",
+    "stokes_shift",
+    "stokes_sphere",
     "surface_offset",
 ]

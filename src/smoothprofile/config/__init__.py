@@ -6,7 +6,8 @@ from smoothprofile.config.electric import SPECTRAL, Electric, has_edges
 from smoothprofile.config.fluid import Fluid, MeanVelocity, WallVelocity
 from smoothprofile.config.output import Line, Output, PlaneCut, WallLine
 from smoothprofile.config.particle import Particle, Solid, body_shape, build_shape, start_position
-from smoothprofile.config.reading import load_case
+from smoothprofile.config.reading import load_case, seeds_of
+from smoothprofile.config.stokes import is_stokes, nothing_moves
 from smoothprofile.config.values import AXES, SIDES
 
 __all__ = [
@@ -33,6 +34,9 @@ __all__ = [
     "body_shape",
     "build_shape",
     "has_edges",
+    "is_stokes",
     "load_case",
+    "nothing_moves",
+    "seeds_of",
     "start_position",
 ]

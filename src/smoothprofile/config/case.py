@@ -12,6 +12,7 @@ from smoothprofile.config.output import ELECTRIC_FIELDS, FLOW_FIELDS, Output
 from smoothprofile.config.particle import Particle, shown_signal
 from smoothprofile.config.placement import check_placement
 from smoothprofile.config.refusals import MISSING, Refusal
+from smoothprofile.config.stokes import check_stokes, is_stokes, with_meaning
 from smoothprofile.config.tomltext import document
 from smoothprofile.config.units import Units
 from smoothprofile.config.values import (
@@ -123,7 +124,8 @@ class Case(Table):
 
     def to_toml(self) -> str:
         """The case as TOML with every default spelled out; loading it gives an equal case."""
-        return document(self.model_dump(exclude_none=True))
+        data = self.model_dump(exclude_none=True)
+        return document(with_meaning(data) if is_stokes(self) else data)
 
     def stages(self) -> tuple["Case", ...]:
         """The runs to make in order: the preliminary ones of `start`, then the case itself."""
@@ -173,6 +175,8 @@ class Case(Table):
         if self.fluid is not None:
             self.fluid.check(self.domain)
             self._check_thickness()
+            if is_stokes(self):
+                check_stokes(self)
         if self.electric is not None:
             self.electric.check(self.domain, self.particles, self.fluid is not None)
         self.contact.check(self.domain)

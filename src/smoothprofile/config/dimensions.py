@@ -86,6 +86,7 @@ DIMENSIONS: dict[str, Kind] = {
     "domain.lengths": LENGTH,
     "domain.origin": LENGTH,
     "domain.stretching.focus": LENGTH,
+    "domain.stretching.core": LENGTH,
     "domain.stretching.faces": LENGTH,
     "fluid.density": DENSITY,
     "fluid.viscosity": VISCOSITY,

@@ -20,10 +20,14 @@ from smoothprofile.config.values import (
 
 
 class Focus(Table):
-    """Cells that cluster: the widest is `ratio` times the narrowest, which lies at `focus`."""
+    """Cells that cluster: the widest is `ratio` times the narrowest, which lies at `focus`.
+
+    Up to `core` from the focus cells are equal.
+    """
 
     focus: float = Field(description=NUMBER)
     ratio: Annotated[float, Field(ge=1.0, le=1000.0)] = Field(description="a number from 1 to 1000")
+    core: Annotated[float, Field(ge=0.0)] = Field(0.0, description="zero or a positive number")
 
 
 class Faces(Table):
@@ -74,7 +78,9 @@ class Domain(Table):
     )
     stretching: Annotated[tuple[Stretching, Stretching, Stretching], Field(strict=False)] = Field(
         ("uniform", "uniform", "uniform"),
-        description='three entries, each "uniform", { focus = x, ratio = r } or { faces = [..] }',
+        description=(
+            'three entries, each "uniform", { focus = x, ratio = r, core = c } or { faces = [..] }'
+        ),
     )
     precision: Literal["double", "single"] = Field("double", description='"double" or "single"')
 

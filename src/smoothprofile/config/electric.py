@@ -27,6 +27,8 @@ from smoothprofile.profiles import PROFILES
 
 ELECTRODES = 'a table such as { axis = "z", low = 0, high = 1 }'
 SPECTRAL = "fourier"
+LARGEST_RATIO = 1e9
+"""Of permittivities, either way round; beyond it no painted radius can be found."""
 
 
 def _profile(value: Any) -> str:
@@ -70,8 +72,8 @@ class Electric(Table):
     method: Literal["conjugate-gradients", "fixed-point"] = Field(
         "conjugate-gradients", description='"conjugate-gradients" or "fixed-point"'
     )
-    smoothing: Literal["tensor", "harmonic", "arithmetic"] = Field(
-        description='"tensor", "harmonic" or "arithmetic"'
+    smoothing: Literal["auto", "tensor", "harmonic", "arithmetic"] = Field(
+        description='"auto", "tensor", "harmonic" or "arithmetic"'
     )
     profile: Annotated[str, PlainValidator(_profile)] = Field(
         "tanh", description=f"one of {', '.join(PROFILES)}"
@@ -88,12 +90,14 @@ class Electric(Table):
     @model_validator(mode="before")
     @classmethod
     def _defaults_of_its_discretisation(cls, data: Any) -> Any:
-        """The most accurate smoothing of the staggered grid; the thesis' own of its solver."""
+        """Of the staggered grid, what is most accurate; of its own solver, the thesis'."""
         if not isinstance(data, dict):
             return data
         spectral = data.get("discretisation") == SPECTRAL
+        if spectral and data.get("smoothing") == "auto":
+            data = {**data, "smoothing": "arithmetic"}
         return {
-            "smoothing": "arithmetic" if spectral else "tensor",
+            "smoothing": "arithmetic" if spectral else "auto",
             "retract": not spectral,
             **data,
         }
@@ -171,6 +175,11 @@ class Electric(Table):
         key = f"particles.{number}"
         if particle.permittivity is None:
             raise Refusal(f"{key}.permittivity", MISSING, "a case with [electric] needs it")
+        ratio = particle.permittivity / self.permittivity
+        if not 1.0 / LARGEST_RATIO <= ratio <= LARGEST_RATIO:
+            low, high = self.permittivity / LARGEST_RATIO, self.permittivity * LARGEST_RATIO
+            allowed = f"beside electric.permittivity it must be from {low:g} to {high:g}"
+            raise Refusal(f"{key}.permittivity", particle.permittivity, allowed)
         if particle.shape == "mesh":
             allowed = "a triangulated surface cannot have a permittivity"
             raise Refusal(f"{key}.shape", particle.shape, allowed)

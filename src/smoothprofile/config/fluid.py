@@ -1,5 +1,7 @@
 """[fluid] of a case: the liquid, what drives it, and how the walls move."""
 
+from typing import Literal
+
 from pydantic import Field
 
 from smoothprofile.config.domain import Domain
@@ -18,6 +20,8 @@ from smoothprofile.config.values import (
     Velocity,
 )
 from smoothprofile.signals import Signal
+
+STOKES = "stokes"
 
 
 class WallVelocity(Table):
@@ -53,8 +57,13 @@ class Fluid(Table):
 
     Gravity, an acceleration, pulls free bodies by what they weigh more than the fluid; the
     hydrostatic pressure that balances the fluid's own weight is left out.
+
+    flow = "stokes" leaves all inertia out: what moves is at any time what the forces at that time
+    make it. There, tolerance is that of each solve, and density is for weights and numbers alone.
     """
 
+    flow: Literal["inertial", STOKES] = Field("inertial", description=f'"inertial" or "{STOKES}"')
+    tolerance: Positive | None = Field(None, description=POSITIVE)
     density: Positive = Field(description=POSITIVE)
     viscosity: Positive = Field(description=POSITIVE)
     body_force: Vector = Field((0.0, 0.0, 0.0), description=NUMBERS)
@@ -68,6 +77,9 @@ class Fluid(Table):
 
     def check(self, domain: Domain) -> None:
         """Refusal of what the ends of the domain do not allow."""
+        if self.tolerance is not None and self.flow != STOKES:
+            allowed = f'only flow = "{STOKES}" has one'
+            raise Refusal("fluid.tolerance", self.tolerance, allowed)
         for side, signal in self.wall_velocity.given().items():
             key, value = f"fluid.wall_velocity.{side}", signal.constant
             kind, axis = domain.sides[side], AXES.index(side[0])

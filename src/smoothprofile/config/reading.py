@@ -38,10 +38,7 @@ def load_case(source: str | os.PathLike | Mapping | Case, overrides: Overrides =
     of the same name. Files that a case names lie in the folder of its own file, or of a dictionary
     in the current one. CaseError, one sentence, for whatever cannot be run.
     """
-    data = _plain(_data_of(source))
-    for key, value in _pairs(overrides):
-        _put(data, key, _plain(value, key))
-    data, folder = without_units(data), _folder_of(source)
+    data, folder = without_units(_overridden(source, overrides)), _folder_of(source)
     if "numbers" in data:
         # Numbers are worked out from whole cases, so that what does it cannot be met before them.
         from smoothprofile.config.dimensionless import case_of_numbers
@@ -53,6 +50,28 @@ def load_case(source: str | os.PathLike | Mapping | Case, overrides: Overrides =
     if case.reference is not None and case.reference not in names:
         raise Refusal("reference", case.reference, f"it must be one of {', '.join(names)}")
     return case
+
+
+def seeds_of(source: Any, overrides: Overrides = ()) -> dict[str, int]:
+    """Key and seed of whatever a case, given as for `load_case`, draws at random.
+
+    Radii that a lattice or a file deals out by shares or a distribution have the seed 0.
+    """
+    data, found = _overridden(source, overrides), {}
+    for k, entry in enumerate(data.get("particles", ())):
+        if "random" in entry:
+            found[f"particles.{k}.random"] = entry["random"].get("seed", 0)
+        elif isinstance(entry.get("radius"), dict):
+            found[f"particles.{k}.radius"] = 0
+    return found
+
+
+def _overridden(source: Any, overrides: Overrides) -> dict[str, Any]:
+    """The plain data of a source with the overrides in it."""
+    data = _plain(_data_of(source))
+    for key, value in _pairs(overrides):
+        _put(data, key, _plain(value, key))
+    return data
 
 
 def _checked(data: dict[str, Any], folder: Path) -> Case:

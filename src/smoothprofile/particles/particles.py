@@ -100,6 +100,12 @@ class Particles:
             load[:] = self.density * (needed - rate * gain)
         self._rate, self._change = rate, change
 
+    def given(self) -> tuple[np.ndarray, np.ndarray]:
+        """Force and torque (n,3) on the fluid, that inside too, over the step just taken."""
+        inside = self.displaced.loads(self.state, *(self._rate * c for c in self._change))
+        loads = (self.state.force, self.state.torque)
+        return tuple(self.density * i - load for i, load in zip(inside, loads, strict=True))
+
     def saved(self) -> dict:
         """Everything that the next step reads, for a checkpoint taken between steps."""
         return {

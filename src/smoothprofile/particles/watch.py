@@ -38,7 +38,8 @@ class BodyWatch:
             b = int(np.argmin(np.isfinite(here).all(axis=1)))
             raise BlowUpError(
                 f"At time {time:.6g} the place of {self._name(b)} is not finite; the step "
-                f"Δt = {dt:.4g} is too large for its motion."
+                f"Δt = {dt:.4g} is too large for its motion.",
+                0.5 * dt,
             )
         outside = (here < self._low) | (here > self._high)
         if outside.any():
@@ -46,7 +47,8 @@ class BodyWatch:
             raise BlowUpError(
                 f"At time {time:.6g} {self._name(b)} has left the box: its {AXIS_NAMES[d]} is "
                 f"{here[b, d]:.4g}, and the walls are at {self._low[d]:.4g} and "
-                f"{self._high[d]:.4g}; take a step below Δt = {dt:.4g}, or a larger contact.range."
+                f"{self._high[d]:.4g}; take a step below Δt = {dt:.4g}, or a larger contact.range.",
+                0.5 * dt,
             )
         if before is None:
             return
@@ -57,7 +59,8 @@ class BodyWatch:
             raise BlowUpError(
                 f"At time {time:.6g} {self._name(b)} has moved by {moved[b]:.4g} in one step, and "
                 f"may move by half its smallest radius, {self._farthest[b]:.4g}; at that speed "
-                f"Δt = {held:.3g} would have held, and it was {dt:.4g}."
+                f"Δt = {held:.3g} would have held, and it was {dt:.4g}.",
+                held,
             )
 
     def _name(self, row: int) -> str:

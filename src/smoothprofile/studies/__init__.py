@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from importlib import import_module
+from importlib.util import find_spec
 
 from smoothprofile.config.refusals import nearest, shown
 from smoothprofile.errors import CaseError
@@ -15,9 +16,19 @@ STUDIES: dict[str, str] = {
     "lattice": "A periodic lattice of dielectric spheres (thesis 4.3)",
     "profiles": "Which profile and smoothing of permittivity is most accurate",
     "viscosity": "Effective viscosity of a dilute suspension, and the stresslet of a sphere",
+    "dns": "Spheres in a duct and in arrays by body-fitted finite elements (needs ngsolve)",
+    "smoothed-viscosity": "Spheres made stiff by a smoothed viscosity (thesis 3.1, option 2)",
     "mason": "Beads between sliding electrodes: apparent viscosity against the Mason number",
 }
 """Name -> what it is about. The function `run` of the file of that name does it."""
+
+NEEDS: dict[str, str] = {"dns": "ngsolve"}
+"""Name -> the package that it needs beside those of the program."""
+
+
+def can_run(name: str) -> bool:
+    """Whether what the study needs is installed."""
+    return name not in NEEDS or find_spec(NEEDS[name]) is not None
 
 
 def study_named(name: str) -> Callable[[], Study]:
