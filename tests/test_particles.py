@@ -268,6 +268,27 @@ def test_velocity_imposed_is_that_of_a_rigid_body():
         assert np.abs(change - phi * (target - before[c])).max() < 1e-13
 
 
+def test_the_matrix_of_the_impulse_is_what_unit_motions_carry():
+    """∫φu_p and ∫r×φu_p of each unit V and Ω, summed over the grid, of a body off its points."""
+    run = simulation({**OBLONG, "motion": "free", "density": 2.0}, thickness=0.15)
+    columns = []
+    for n in range(6):
+        motion, column = np.eye(6)[n], np.zeros(6)
+        for c in range(3):
+            r = body_coordinates(run, c)
+            velocity = motion[c] + np.cross(motion[3:], r, axisb=0, axisc=0)[c]
+            carried = interior(run.bodies.painter.dense(c)) * velocity * cell_volumes(run.grid, c)
+            unit = np.eye(3)[c][:, None, None, None]
+            column[c] = carried.sum()
+            column[3:] += (np.cross(r, unit, axis=0) * carried).sum(axis=(1, 2, 3))
+        columns.append(column)
+    matrix = run.bodies.impulse.matrix(run.bodies.painter)[0]
+    # Sums of some hundred terms.
+    assert np.abs(matrix - np.array(columns).T).max() < 1e-13
+    # Off the grid's points V and Ω are tied to each other.
+    assert np.abs(matrix[:3, 3:]).max() > 1e-4
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_displaced_fluid_has_the_inertia_of_the_true_body(scheme):
     """F = ρV dV/dt, T = ρ(I dΩ/dt + Ω×IΩ), of the scheme, in fluid that moves along.

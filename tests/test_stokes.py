@@ -301,6 +301,8 @@ def test_what_does_not_determine_the_flow_is_refused():
         stokes.mobility(middle, 1.0, 0.0, mean_velocity=(0.0, 1.0, 0.0))
     with pytest.raises(CaseError, match=r"particles\.0 meets no points"):
         stokes.mobility(at([3.0, 9.0, 3.0]), 1.0, 0.0)
+    with pytest.raises(CaseError, match=r'domain\.precision must be "double"'):
+        stokes_around(Grid(grid.axes, np.float32), [sphere(1.0)], 1.0)
 
 
 def test_profiles_agree():

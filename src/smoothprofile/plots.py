@@ -88,7 +88,7 @@ def load_picture(
         xlabel="t (time)",
         ylabel=LOADS[load][1],
     )
-    figure.legend(loc="outside lower center", ncols=4)
+    figure.legend(loc="outside lower center", ncols=2 if many else 4)
     return Picture(load, f"{load.capitalize()} of the fluid on each particle against time.", figure)
 
 

@@ -34,12 +34,12 @@ from smoothprofile.viscous.around import CELLS_TO_XI
 LARGEST_REYNOLDS = 0.1
 FAR = 0.2
 """Of the smallest size that a body may move in a step for errors of a few parts in a thousand."""
-FEW_LAYERS = 3.0
+FEW_LAYERS = 1.5
 STOKES_FIELDS = 22
 # Iterations per decade of the tolerance, of the first flow and of those that start from another.
 FIRST_ITERATIONS, WARM_ITERATIONS = 2.5, 1.5
 # Measured on one core of a 2024 server: an iteration, in seconds for each cell.
-SECONDS_PER_ITERATION = 1.2e-6
+SECONDS_PER_ITERATION = 1.5e-7
 SECONDS_AT_LEAST = 3e-3
 
 
@@ -98,7 +98,7 @@ def _layer(case: Case, grid: Grid) -> list[Check]:
     if math.isfinite(smallest):
         layers = smallest / profile.thickness
         verdict = "ok" if layers >= FEW_LAYERS else "warn"
-        note = "smallest radius or half side over ξ"
+        note = "smallest radius or half side over ξ; a lone sphere is exact at any"
         rows.append(check_row("a/ξ", layers, FEW_LAYERS, verdict, note))
     least, across = CELLS_TO_XI[profile.kind], profile.thickness / widest_cell(case, grid)
     verdict = "ok" if across >= 0.9 * least else "warn"

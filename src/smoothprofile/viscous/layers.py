@@ -18,6 +18,9 @@ from smoothprofile.particles.paint import Painter
 from smoothprofile.particles.painting import by_body
 from smoothprofile.particles.windows import plane_of
 
+SINGULAR = 1e-12
+"""Of the largest eigenvalue of ZᵀZ: below it, a body's points do not tell its motions apart."""
+
 
 class BodyLayers:
     """All bodies' points, painted by `painter`, with the resistance μ/ℓ² of their insides."""
@@ -51,11 +54,11 @@ class BodyLayers:
             self.up, self.down = root * volume, root / volume
         self.gram = self._impulse.matrix(self.painter) * (self.resistance / self.cell)
         self.totals = self.gram[:, range(3), range(3)]
-        if not np.all(self.totals > 0.0):
-            body = int(np.flatnonzero(~np.all(self.totals > 0.0, axis=1))[0])
+        sizes = np.linalg.eigvalsh(self.gram)
+        for body in np.flatnonzero(~(sizes[:, 0] > SINGULAR * sizes[:, -1]))[:1]:
             raise CaseError(
-                f"particles.{body} meets no points of the grid; a body in Stokes flow must lie in "
-                f"the box and be some cells across."
+                f"particles.{body} meets no points of the grid that could move and turn it; a body "
+                f"in Stokes flow must lie in the box and be some cells across."
             )
         self.inverse = np.linalg.inv(self.gram)
 

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smoothprofile.boundaries import fill_ghosts, velocity_boundary
+from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState
 from smoothprofile.particles.loads import vectors
@@ -73,6 +74,8 @@ class RigidStokes:
         strain, over the viscosity, nothing if left out. walls[axis]: (low, high) of "wall" or
         "slip" where the axis is not periodic.
         """
+        if grid.dtype != np.float64:
+            raise CaseError('domain.precision must be "double" for steady Stokes flow.')
         self.grid, self.viscosity, self.layer = grid, float(viscosity), float(layer)
         self.direct = DirectStokes(grid, viscosity)
         self.bodies = BodyLayers(painter, viscosity / layer**2, compliance, viscosity)
