@@ -139,6 +139,48 @@ def test_what_is_left_out_follows_from_the_numbers(left_out, numbers):
     assert load_case(case) == case
 
 
+@pytest.mark.parametrize("left_out", ["viscosity", "density"])
+@pytest.mark.parametrize("asked", [0.05, 3.0, 200.0])
+def test_the_reynolds_number_of_a_body_that_settles_may_be_given(left_out, asked):
+    case = {
+        "domain": {"lengths": [8.0] * 3, "cells": [16] * 3, "boundaries": ["periodic"] * 3},
+        "fluid": {"density": 2.0, "viscosity": 3.0, "gravity": [0, 0, -1.5]},
+        "profile": {"kind": "tanh", "thickness": 0.5},
+        "particles": [{"shape": "sphere", "radius": 1.5, "position": [4, 4, 4], "motion": "free"}],
+        "time": {"step": 1e-3, "end": 1.0},
+    }
+    del case["fluid"][left_out]
+    case["numbers"] = {"Re": asked, "density_ratio": 2.5}
+    found = load_case(case)
+    rho, mu, volume = found.fluid.density, found.fluid.viscosity, 4.5 * math.pi
+    # By hand: Stokes' speed, or Newton's if that is less.
+    weight = 1.5 * rho * volume * 1.5
+    stokes = weight / (6 * math.pi * mu * 1.5)
+    newton = math.sqrt(weight / (0.22 * math.pi * rho * 1.5**2))
+    assert rho * min(stokes, newton) * 1.5 / mu == pytest.approx(asked, rel=1e-12)
+    # Which way it falls does not matter.
+    tilted = {**case, "fluid": {**case["fluid"], "gravity": [0.9, 0.0, -1.2]}}
+    assert getattr(load_case(tilted).fluid, left_out) == pytest.approx(
+        getattr(found.fluid, left_out), rel=1e-12
+    )
+
+
+def test_the_reynolds_number_of_a_body_force_between_walls_may_be_given():
+    case = {
+        "domain": {
+            "lengths": [8.0] * 3,
+            "cells": [16] * 3,
+            "boundaries": ["periodic", "periodic", "wall"],
+        },
+        "fluid": {"density": 2.0, "body_force": [0.3, 0, 0]},
+        "time": {"step": 1e-3, "end": 1.0},
+        "numbers": {"Re": 0.7},
+    }
+    mu = load_case(case).fluid.viscosity
+    # U = gL²/(8μ), by the distance of the walls.
+    assert 2.0 * (0.3 * 64 / (8 * mu)) * 8 / mu == pytest.approx(0.7, rel=1e-12)
+
+
 def test_a_rate_becomes_two_walls_that_slide_apart():
     case = load_case({**without(shear_cell(), "fluid.wall_velocity"), "numbers": {"Re": 0.16}})
     low, high = (case.fluid.wall_velocity.given()[side].constant for side in ("z_low", "z_high"))

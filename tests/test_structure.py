@@ -14,6 +14,7 @@ from smoothprofile.structure import (
     pair_distribution,
     smallest_gap,
 )
+from smoothprofile.structure_plots import energy_picture
 
 Z = (0.0, 0.0, 1.0)
 
@@ -92,3 +93,21 @@ def test_pairs_in_chains_stand_along_the_field():
     near = slice(peak - 1, peak + 2)
     assert found["g_along"][near].max() > 5 * found["g"][near].max() > 0
     assert found["g_across"][near].max() == 0
+
+
+def test_the_energy_that_falls_is_seen_through_an_alternating_field():
+    """ε grows by 5 % while the field swings: what is drawn falls with ε at the mean square."""
+    time = np.linspace(0.1, 20.0, 200)
+    along, square = 1.25 + 0.003 * time, np.cos(0.7 * time) ** 2
+    length = np.ones_like(time)
+    for swing, size in ((square, square.mean()), (length, 1.0)):
+        history = {
+            "time": time,
+            "permittivity_along": along,
+            "electric_energy": 30.0 * along * swing,
+            "mean_chain_length": length,
+        }
+        picture = energy_picture(history)
+        drawn = picture.figure.axes[0].lines[0].get_ydata()
+        assert drawn == pytest.approx(-30.0 * size * (along - along[0]), abs=1e-12)
+        assert ("mean square" in picture.caption) == (swing is square)

@@ -125,8 +125,18 @@ def settling_speed(case: Case, particle: Particle) -> np.ndarray:
     a = math.cbrt(0.75 * volume / math.pi)
     pull = np.array(particle.force)
     pull = np.abs(pull + (particle.density - fluid.density) * volume * np.array(fluid.gravity))
-    stokes = pull / (6 * math.pi * fluid.viscosity * a)
-    return np.minimum(stokes, np.sqrt(pull / (0.22 * fluid.density * math.pi * a**2)))
+    size = float(np.linalg.norm(pull))
+    stokes = size / (6 * math.pi * fluid.viscosity * a)
+    newton = math.sqrt(size / (0.22 * fluid.density * math.pi * a**2))
+    return pull * (min(stokes, newton) / size if size else 0.0)
+
+
+def settling_pull(reynolds: float) -> float:
+    """ρF/μ² of the pull F under which `settling_speed` is that of Re = ρUa/μ.
+
+    6πRe or .22πRe², whichever is larger.
+    """
+    return math.pi * max(6.0 * reynolds, 0.22 * reynolds**2)
 
 
 def can_be_moved(case: Case, pairing: Pairing, half: float, room: float) -> bool:

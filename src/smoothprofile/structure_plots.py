@@ -17,6 +17,8 @@ WIDTH, HEIGHT = 9.0, 3.3
 LONE = "#b9c1cb"
 FADED = 0.65
 """How far towards white the farthest beads are shaded."""
+ALTERNATES = 1e-3
+"""A field whose square varies by more than this share; one that is held or turns keeps its own."""
 
 History = Mapping[str, np.ndarray]
 
@@ -84,20 +86,27 @@ def chains_picture(history: History) -> Picture | None:
 
 
 def energy_picture(history: History) -> Picture | None:
-    """Ω − Ω₀, Ω = −½∫E·εE dV, and the effective permittivity along the field, against time."""
+    """Ω − Ω₀, Ω = −½∫E·εE dV, and the effective permittivity along the field, against time.
+
+    Of a field that alternates, Ω in the mean square of E₀: ∫E·εE dV = V⟨D⟩·E₀ goes with it.
+    """
     energy = history.get("electric_energy", np.empty(0))
     if energy.size < 2 or "mean_chain_length" not in history:
         return None
     figure, (falls, permittivity) = new_panels(2, HEIGHT, WIDTH)
+    along = history["permittivity_along"]
+    square, what = energy / along, ""
+    if np.ptp(square) > ALTERNATES * square.max():
+        energy, what = along * square.mean(), " Ω is that in the mean square of the field."
     falls.plot(history["time"], -(energy - energy[0]))
-    permittivity.plot(history["time"], history["permittivity_along"])
+    permittivity.plot(history["time"], along)
     falls.set(title="Energy that falls", xlabel="t (time)", ylabel="Ω − Ω₀, Ω = −½∫E·εE dV")
     permittivity.set(title="Effective permittivity", xlabel="t (time)", ylabel="⟨D⟩·E₀/E₀²")
     caption = (
         "What falls while the mean field is held is Ω, less than zero: the source of the field "
         "does twice the work that ½∫E·εE dV gains. On the right ⟨D⟩ along the field over it."
     )
-    return Picture("field-energy", caption, figure, wide=True)
+    return Picture("field-energy", caption + what, figure, wide=True)
 
 
 def pairs_picture(table: Mapping[str, np.ndarray]) -> Picture | None:

@@ -1,6 +1,8 @@
 """[numbers] of a case: Re, Mn, R, c and density ratio in place of what they are made of.
 
-    Re ∝ ρ γ̇/μ (of the field's own flow ρ E²/μ²),   Mn ∝ μ γ̇/E²
+    Re ∝ ρ γ̇/μ,   Mn ∝ μ γ̇/E²
+    Re ∝ ρ E²/μ² of the field's own flow, ρ/μ² of a body force's, and of a body that settles
+    max(6Re, .22Re²) ∝ ρ/μ², or (ρ/μ)² if its density is that of the fluid times a number
 
 What the case leaves out of ρ, μ, γ̇ and E is first taken as 1; the factors that then give Re and Mn
 solve a linear system of logarithms. Afterwards all numbers are worked out from the whole case, and
@@ -20,6 +22,7 @@ from smoothprofile.config.refusals import MISSING, Refusal
 from smoothprofile.config.sources import checked
 from smoothprofile.config.values import AXES, POSITIVE, Positive, Table, is_finite
 from smoothprofile.numbers import Scales, mason, numbers_of, reynolds, scales_of
+from smoothprofile.pairing import settling_pull
 
 NEAR = 1e-6
 """How far a number may be from what the case's own values make it."""
@@ -159,20 +162,21 @@ def _with_field(data: dict, field: float) -> dict:
 
 def _solved(scales: Scales, wanted: Numbers, missing: list[str]) -> dict[str, float]:
     """What is missing, from Re and Mn at the scales of a case in which it was taken as 1."""
-    shear = {"density": 1, "viscosity": -1, "rate": 1}
+    settles = scales.basis == "settling" and not scales.rate
     powers = {
-        "Re": {"density": 1, "viscosity": -2, "field": 2} if scales.basis == "field" else shear,
+        "Re": _powers_of_re(scales, wanted),
         "Mn": {"viscosity": 1, "rate": 1, "field": -2},
     }
-    if scales.rate:
-        powers["Re"] = shear
     matrix, logarithms = [], []
     for name, of in (("Re", reynolds), ("Mn", mason)):
         asked = getattr(wanted, name)
         if asked is None:
             continue
         matrix.append([powers[name].get(key, 0) for key in missing])
-        logarithms.append(math.log(asked / (of(scales) or _nothing(name, asked))))
+        found = of(scales) or _nothing(name, asked)
+        if name == "Re" and settles:
+            asked, found = settling_pull(asked), settling_pull(found)
+        logarithms.append(math.log(asked / found))
     factors, _, rank, _ = np.linalg.lstsq(np.array(matrix, float), np.array(logarithms))
     if rank < len(missing):
         names = " and ".join(f"numbers.{n}" for n in ("Re", "Mn") if getattr(wanted, n) is not None)
@@ -182,6 +186,18 @@ def _solved(scales: Scales, wanted: Numbers, missing: list[str]) -> dict[str, fl
             one[0], MISSING, f"{allowed}: give {'it' if len(one) == 1 else 'one of them'}"
         )
     return {key: math.exp(factor) for key, factor in zip(missing, factors, strict=True)}
+
+
+def _powers_of_re(scales: Scales, wanted: Numbers) -> dict[str, int]:
+    """How Re goes with what may be missing; of a body that settles, `settling_pull` of Re."""
+    powers = {
+        "field": {"density": 1, "viscosity": -2, "field": 2},
+        "body force": {"density": 1, "viscosity": -2},
+        # The weight of a body goes with the fluid's density if its own does.
+        "settling": {"density": 1 if wanted.density_ratio is None else 2, "viscosity": -2},
+    }
+    shear = {"density": 1, "viscosity": -1, "rate": 1}
+    return shear if scales.rate else powers.get(scales.basis, shear)
 
 
 def _nothing(name: str, asked: float) -> float:

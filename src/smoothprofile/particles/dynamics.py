@@ -208,6 +208,9 @@ class FreeMotion:
     def _take_virtual(self, mass: np.ndarray, inertia: np.ndarray) -> None:
         self._virtual, self._virtual_inertia = mass, inertia
         self._mass, self._inertia = self._excess[0] + mass, self._excess[1] + inertia
+        # Of an impulse's moment, what the body's own inertia has at first: C has the rest.
+        own = self._own_inertia
+        self._own_share = own @ np.linalg.inv(own + inertia)
 
     def _kick(self, scheme: Scheme) -> np.ndarray:
         """γΣJ − Σα_q ΣJ of the levels before: the whole of an impulse shows at once in V.
@@ -229,9 +232,10 @@ class FreeMotion:
 
     def _turn(self, state: BodyState, spin: np.ndarray, dt: float) -> np.ndarray:
         """Quaternions (m,4) Δt later; spin (n,3) now. What contact gave goes into no torque."""
-        newer, older = self.past_turning[0], self.past_turning[-1]
-        given = self.contact_impulses[0][:, 3:] if len(self.past_turning) > 1 else 0.0
-        torque = (newer - older - given) / dt
+        torque = (self.past_turning[0] - self.past_turning[-1]) / dt
+        if len(self.past_turning) > 1:
+            share = _turned(state.rotation[self.rows], self._own_share)
+            torque -= (share @ self.contact_impulses[0][:, 3:, None])[..., 0] / dt
         quaternion, spin = state.quaternion[self.rows], spin[self.rows]
         return advance_rotation(quaternion, spin, self._own_inertia, torque, dt)[0]
 
