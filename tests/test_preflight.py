@@ -182,3 +182,62 @@ def test_the_list_of_studies_is_written_where_it_is_asked_for(spm, tmp_path):
 def test_the_sizes_of_a_shape_are_told_apart_from_those_it_may_have(body, words):
     assert words in refusal(small_case(body | {"position": [0, 0, 0]}))
     assert SIZES["mesh"].words == "needs file, and may have scale, repair and digest"
+
+
+def test_a_layer_of_exactly_three_cells_is_enough():
+    """.6 and 10/50 make 2.9999999999999996."""
+    case = small_case(sphere(radius=1.8, position=[5.0] * 3))
+    case["domain"] |= {"lengths": [10.0] * 3, "cells": [50] * 3, "origin": [0.0] * 3}
+    case["profile"] = {"kind": "quartic-centred", "thickness": 0.6}
+    rows = {row["name"]: row["verdict"] for row in sp.Simulation(sp.load_case(case)).preflight()}
+    assert 0.6 / 0.2 < 3.0
+    assert rows["ξ/Δx"] == rows["a/ξ"] == "ok"
+
+
+def test_a_field_counts_in_the_estimate_of_time():
+    """The field is most of a step; solved for every tenth step, it hardly counts."""
+    flow = small_case(sphere(motion="free", density=1.0))
+    beads = small_case(sphere(motion="free", density=1.0, permittivity=10.0))
+    field = {"field": [0.0, 0.0, 1.0], "permittivity": 1.0}
+    for case in (flow, beads):
+        case["domain"] |= {"lengths": [8.0] * 3, "cells": [96] * 3, "origin": [0.0] * 3}
+        case["domain"]["boundaries"] = ["periodic"] * 3
+    found = []
+    for case in (flow, beads | {"electric": field}, beads | {"electric": field | {"every": 10}}):
+        steps = sp.Simulation(sp.load_case(case)).preflight()
+        found.append(next(row["value"] for row in steps if row["name"] == "time (s)"))
+    assert found[1] > 3.0 * found[0]
+    assert found[0] < found[2] < 2.0 * found[0]
+
+
+def falling(**tables):
+    run = run_of(free_sphere(), **tables)
+    return run, {
+        row["name"]: row["value"] for row in run.preflight() if row["name"].startswith("d⟨u⟩")
+    }
+
+
+def test_a_box_that_would_fall_as_a_whole_is_foretold():
+    gravity = {"gravity": [0.0, 0.0, -2.0]}
+    run, rows = falling(fluid=gravity)
+    assert set(rows) == {"d⟨u⟩/dt along z"}
+    steps = 3
+    for _ in range(steps):
+        run.step_once()
+    state, excess = run.bodies.state, run.bodies.displaced.volume[0]
+    fluid = run.grid.volume * run.mean_velocity[2]
+    # Momentum of fluid and body, of density 1 and 2, over their mass.
+    found = (fluid + excess * state.velocity[0, 2]) / (run.grid.volume + excess) / run.time
+    assert rows["d⟨u⟩/dt along z"] == pytest.approx(found, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {},
+        {"fluid": {"gravity": [0.0, 0.0, -2.0], "mean_velocity": {"z": 0.0}}},
+        {"fluid": {"gravity": [0.0, 0.0, -2.0]}, "boundaries": ("periodic", "wall", "periodic")},
+    ],
+)
+def test_a_box_that_is_held_is_not(tables):
+    assert falling(**tables)[1] == {}

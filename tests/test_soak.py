@@ -31,7 +31,13 @@ def suspension(beads=1000, cells=96):
             "cells": [cells] * 3,
             "boundaries": ["periodic"] * 3,
         },
-        "fluid": {"density": 1.0, "viscosity": 1.0, "gravity": [0.0, 0.0, -1.0]},
+        "fluid": {
+            "density": 1.0,
+            "viscosity": 1.0,
+            "gravity": [0.0, 0.0, -1.0],
+            # Else the box as a whole would fall, ever faster.
+            "mean_velocity": {"x": 0.0, "y": 0.0, "z": 0.0},
+        },
         "profile": {"thickness": 0.25},
         "particles": [
             {
