@@ -14,7 +14,7 @@ demo: .venv/installed
 	$(BIN)/spm run duct
 
 test: lint
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 slow: .venv/installed-with-tests
 	$(BIN)/python -m pytest -m slow
