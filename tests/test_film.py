@@ -99,6 +99,8 @@ def test_films_are_refused_in_one_sentence(chained, tmp_path, monkeypatch):
         film.write_film(chained[0], tmp_path / "film.avi")
     with pytest.raises(CaseError, match="is not a run directory"):
         film.write_film(tmp_path)
+    with pytest.raises(CaseError, match=r"cannot be written: there is no directory \S+nowhere\.$"):
+        film.write_film(chained[0], tmp_path / "nowhere" / "film.gif")
     monkeypatch.setattr(film, "has_encoder", lambda: False)
     with pytest.raises(CaseError, match="needs imageio-ffmpeg"):
         film.write_film(chained[0], tmp_path / "film.mp4")

@@ -14,7 +14,12 @@ from smoothprofile.structure import (
     pair_distribution,
     smallest_gap,
 )
-from smoothprofile.structure_plots import energy_picture
+from smoothprofile.structure_plots import (
+    chains_picture,
+    energy_picture,
+    pairs_picture,
+    stress_picture,
+)
 
 Z = (0.0, 0.0, 1.0)
 
@@ -111,3 +116,32 @@ def test_the_energy_that_falls_is_seen_through_an_alternating_field():
         drawn = picture.figure.axes[0].lines[0].get_ydata()
         assert drawn == pytest.approx(-30.0 * size * (along - along[0]), abs=1e-12)
         assert ("mean square" in picture.caption) == (swing is square)
+
+
+def test_lone_beads_are_said_to_have_no_bonds():
+    time, ones = np.arange(4.0), np.ones(4)
+    history = {
+        "time": time, "mean_chain_length": ones, "mass_mean_chain_length": ones,
+        "longest_chain": ones, "alignment": np.full(4, np.nan), "smallest_gap": ones,
+    }  # fmt: skip
+    bonds_axes = chains_picture(history).figure.axes[1]
+    assert [text.get_text() for text in bonds_axes.texts] == ["no bonds"]
+    assert not chains_picture(history | {"alignment": ones}).figure.axes[1].texts
+
+
+def test_stresses_that_a_case_has_not_are_left_out():
+    none, some = np.zeros(4), np.ones(4)
+    history = {
+        "time": np.arange(4.0), "wall_stress": some, "viscous_stress": some,
+        "contact_stress": none, "electric_stress": none,
+    }  # fmt: skip
+    legend = stress_picture(history).figure.legends[0]
+    assert [text.get_text() for text in legend.get_texts()] == ["on the walls", "viscous"]
+
+
+def test_pairs_are_drawn_where_some_are_near():
+    table = {"r": np.arange(1.0, 5.0)} | {
+        name: np.zeros(4) for name in ("g", "g_along", "g_across")
+    }
+    assert pairs_picture(table) is None
+    assert pairs_picture(table | {"g": np.array([0.0, 1.0, 1.0, 1.0])}) is not None

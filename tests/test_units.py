@@ -24,7 +24,7 @@ from smoothprofile.config.refusals import _table_in
 PURE = {
     *("domain.cells", "domain.stretching.ratio", "time.max_steps", "start.cells", "output.every"),
     *("electric.tolerance", "electric.max_iterations", "electric.every"),
-    *("contact.restitution", "contact.friction", "particles.lattice.counts"),
+    *("fluid.tolerance", "contact.restitution", "contact.friction", "particles.lattice.counts"),
     *("particles.axis", "particles.normal", "particles.orientation.axis"),
     *("particles.parts.axis", "particles.parts.orientation.axis"),
     *("particles.random.count", "particles.random.volume_fraction", "particles.random.seed"),

@@ -40,6 +40,8 @@ def write_film(directory: Path | str, out: Path | None = None) -> Path:
             f"the film {path} needs imageio-ffmpeg: pip install 'smoothprofile[film]', or let its "
             "name end in .gif."
         )
+    if not path.parent.is_dir():
+        raise CaseError(f"the film {path} cannot be written: there is no directory {path.parent}.")
     frames = _read(record)
     with drawing():
         images = _images(record, frames)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
@@ -14,6 +15,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from smoothprofile.figures import Picture, new_figure
 from smoothprofile.labels import SYMBOLS, position
+from smoothprofile.runrecord import RunRecord
 
 PLANE_WIDTH = 9.0
 FORCE = "#D55E00"
@@ -25,10 +27,44 @@ FAINT, NO_FORCE = 0.02, 1e-5
 Plane = Mapping[str, np.ndarray]
 
 
-def plane_pictures(plane: Plane) -> list[Picture]:
+def plane_pictures(record: RunRecord) -> list[Picture]:
     """What the data of a plane can show."""
+    discs = discs_cut(record)
+    plane = record.plane if discs is None else {**record.plane, "discs": discs}
     pictures = [speed_picture(plane), strength_picture(plane), potential_picture(plane)]
     return [picture for picture in pictures if picture is not None]
+
+
+def discs_cut(record: RunRecord) -> np.ndarray | None:
+    """(n,3): centres and radii √(a² − d²) of the discs that a plane cuts out of spheres at the end.
+
+    None unless all bodies are spheres. With their images across periodic sides. A thick layer is
+    painted so far out that neighbours would seem to touch where only their layers meet.
+    """
+    bodies = record.case.get("particles", ())
+    if "axis" not in record.plane or not bodies or any(b["shape"] != "sphere" for b in bodies):
+        return None
+    names, domain = list(SYMBOLS), record.case["domain"]
+    a, *across = (names.index(str(n)) for n in (record.plane["axis"], *record.plane["labels"]))
+    low, lengths = np.array(domain.get("origin", [0.0] * 3)), np.array(domain["lengths"])
+    periodic = np.array([kind == "periodic" for kind in domain["boundaries"]])
+    places = np.array([_last_place(record, body) for body in bodies], dtype=float)
+    places = np.where(periodic, low + np.mod(places - low, lengths), places)
+    radius = np.array([body["radius"] for body in bodies], dtype=float)
+    found = []
+    for image in np.ndindex(3, 3, 3):
+        moved = places + (np.array(image) - 1) * lengths * periodic
+        square = radius**2 - (moved[:, a] - float(record.plane["at"])) ** 2
+        cut = square > 0
+        found.append(np.column_stack([moved[cut][:, across], np.sqrt(square[cut])]))
+    return np.unique(np.concatenate(found), axis=0)
+
+
+def _last_place(record: RunRecord, body: Mapping) -> list[float]:
+    columns = record.particles.get(body["name"])
+    if columns is None:
+        return body["position"]
+    return [columns[f"position_{name}"][-1] for name in SYMBOLS]
 
 
 def speed_picture(plane: Plane) -> Picture | None:
@@ -91,7 +127,9 @@ def _finish(figure: Figure, axes: Axes, plane: Plane, what: str, force: float = 
     x, y, indicator = plane["x"], plane["y"], plane["indicator"].T
     first, second = (str(label) for label in plane["labels"])
     handles = []
-    if indicator.min() < 0.5 < indicator.max():
+    if "discs" in plane:
+        handles += _draw_discs(axes, plane["discs"])
+    elif indicator.min() < 0.5 < indicator.max():
         axes.contour(x, y, indicator, levels=[0.5], colors="white", linewidths=2.6)
         axes.contour(x, y, indicator, levels=[0.5], colors="black", linewidths=1.2)
         handles.append(Line2D([], [], color="black", label="edge of a particle as painted, φ = ½"))
@@ -111,6 +149,18 @@ def _finish(figure: Figure, axes: Axes, plane: Plane, what: str, force: float = 
     # The layout first learns here how high equal units make the axes.
     figure.draw_without_rendering()
     return where
+
+
+def _draw_discs(axes: Axes, discs: np.ndarray) -> list[Line2D]:
+    """Outlines of the surfaces that the plane cuts, and their entry in the legend."""
+    size = 2.0 * discs[:, 2]
+    for colour, width in (("white", 2.6), ("black", 1.2)):
+        outlines = EllipseCollection(
+            size, size, np.zeros(len(size)), units="x", offsets=discs[:, :2],
+            offset_transform=axes.transData, facecolors="none", edgecolors=colour, linewidths=width,
+        )  # fmt: skip
+        axes.add_collection(outlines, autolim=False)
+    return [Line2D([], [], color="black", label="surface of a particle")] if len(size) else []
 
 
 def _draw_streamlines(axes: Axes, plane: Plane, name: str, outside: bool) -> None:

@@ -41,8 +41,8 @@ def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> l
     with drawing():
         drawn = [
             *structure_pictures(record),
-            *plane_pictures(record.plane),
-            motion_picture(record.particles, reference),
+            *plane_pictures(record),
+            motion_picture(_travelling(record), reference),
             pair_picture(record.particles, reference),
             drift_picture(record.particles, reference),
             spin_picture(record.particles, reference),
@@ -52,6 +52,21 @@ def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> l
             convergence_picture(record.history, tolerance),
         ]
     return [picture for picture in drawn if picture is not None]
+
+
+def _travelling(record: RunRecord) -> dict[str, Mapping[str, np.ndarray]]:
+    """Bodies whose speed is more than round-off beside that of the fluid."""
+    fluid = ROUND_OFF * _largest(record.history.get("max_speed", np.empty(0)))
+    return {
+        name: columns
+        for name, columns in record.particles.items()
+        if any(_largest(columns.get(f"velocity_{axis}", np.empty(0))) > fluid for axis in NUMBERS)
+    }
+
+
+def _largest(values: np.ndarray) -> float:
+    """The largest size of what is finite."""
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
 
 
 def load_picture(

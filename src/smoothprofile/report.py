@@ -157,8 +157,10 @@ def _status(record: RunRecord) -> str:
             f"{webpage.number(summary['steps'])} steps to t = {webpage.number(summary['time'])}"
         )
     if "wall_seconds" in summary:
+        threads = summary.get("threads")
         parts.append(
-            f"{webpage.number(summary['wall_seconds'])} s on {summary.get('threads')} threads"
+            f"{webpage.number(summary['wall_seconds'])} s on {threads} thread"
+            + ("s" if threads != 1 else "")
         )
     if "cells" in summary:
         parts.append(f"{webpage.number(summary['cells'])} cells")

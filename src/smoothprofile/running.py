@@ -1,5 +1,6 @@
 """From a run and its directory to its end: what `spm run` and `spm resume` do alike."""
 
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -32,12 +33,17 @@ def start(case: str, settings: list[str], out: Path | None, json: bool, retry: i
         simulation = run_of(loaded)
         for row in simulation.preflight():
             if row["verdict"] == "warn":
-                say("Note: {name} is {value:.3g}, against {limit:.3g}: {note}.".format(**row))
+                say(_warning(**row))
         path = out or next_free_directory("runs", Path(case).stem)
         text = simulation.case.to_toml()
         directory = RunDirectory(path, text, simulation.preflight(), say, seeds)
         ended = _to_its_end(simulation, directory, watcher, retry)
     _tell(simulation, path, ended, json)
+
+
+def _warning(name: str, value: float, limit: float | None, note: str, verdict: str) -> str:
+    beside = "" if limit in (None, math.inf) else f", against {limit:.3g}"
+    return f"Note: {name} is {value:.3g}{beside}: {note}."
 
 
 def start_or_go_on(case: str, settings: list[str], out: Path, json: bool, retry: int = 0) -> None:

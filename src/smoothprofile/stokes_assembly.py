@@ -34,17 +34,26 @@ BODY_SHARE, FLOW_SHARE, SHEAR_SHARE, TURN_SHARE = 0.1, 0.4, 0.1, 0.9
 def stokes_pairing(case: Case, grid: Grid) -> Pairing:
     """The step of a case, and the longest in which no body is expected to move by half its size."""
     size, own, carried = smallest_size(case), _largest(body_speeds(case, grid)), flow_speed(case)
-    rate = shear_rate(case)
-    bounds = [
-        BODY_SHARE * size / own if own else math.inf,
-        FLOW_SHARE * size / carried if carried else math.inf,
-        SHEAR_SHARE / rate if rate else math.inf,
-        TURN_SHARE * turning_step(case),
-        case.time.end,
-    ]
-    step = min(bounds) if case.time.step == "auto" else case.time.step
+    step = min(step_bounds(case, grid).values()) if case.time.step == "auto" else case.time.step
     fastest = own + carried
     return Pairing(step, 0.5 * size / fastest if fastest else math.inf, (fastest,) * 3)
+
+
+def step_bounds(case: Case, grid: Grid) -> dict[str, float]:
+    """What bounds Δt, in words, and how."""
+    size, own, carried = smallest_size(case), _largest(body_speeds(case, grid)), flow_speed(case)
+    rate = shear_rate(case)
+    return {
+        "a tenth of the time in which a body's loads move it by its size": (
+            BODY_SHARE * size / own if own else math.inf
+        ),
+        "four tenths of the time in which the flow goes by a body's size": (
+            FLOW_SHARE * size / carried if carried else math.inf
+        ),
+        "a tenth of the time of shear": SHEAR_SHARE / rate if rate else math.inf,
+        "a sixteenth of a turn of the field": TURN_SHARE * turning_step(case),
+        "the end of the run": case.time.end,
+    }
 
 
 def smallest_size(case: Case) -> float:

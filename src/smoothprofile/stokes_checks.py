@@ -27,7 +27,7 @@ from smoothprofile.preflight import (
     widest_cell,
 )
 from smoothprofile.quasistatic import QuasiStaticFlow
-from smoothprofile.stokes_assembly import smallest_size
+from smoothprofile.stokes_assembly import smallest_size, step_bounds
 from smoothprofile.threads import thread_count
 from smoothprofile.viscous.around import CELLS_TO_XI
 
@@ -50,7 +50,7 @@ def check_stokes_memory(case: Case) -> None:
 
 def stokes_checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     """Every check of a case with flow = "stokes" but those of its surfaces."""
-    found = [_reynolds(case), *_moved(case, pairing), *turning_check(case, pairing)]
+    found = [_reynolds(case), *_moved(case, grid, pairing), *turning_check(case, pairing)]
     if case.particles:
         found += _layer(case, grid)
     found += field_rows(case, grid, pairing)
@@ -80,16 +80,19 @@ def _reynolds(case: Case) -> Check:
     return check_row("Re", found, LARGEST_REYNOLDS, verdict, note)
 
 
-def _moved(case: Case, pairing: Pairing) -> list[Check]:
-    """How far a step takes the fastest body that is announced."""
+def _moved(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
+    """What sets Δt, and how far it takes the fastest body that is announced."""
     if nothing_moves(case):
         return []
+    bounds = step_bounds(case, grid)
+    least = min(bounds, key=bounds.get)
+    rows = [check_row("time step", pairing.step, bounds[least], "ok", f"beside {least}")]
     moved = pairing.step * pairing.speed[0] / smallest_size(case)
     verdict = "ok" if moved <= 2.0 * FAR else "warn"
     note = "what the fastest body may move in a step, over the smallest radius or half side"
     if verdict == "warn":
         note += f"; take a time.step of {2.0 * FAR / moved * pairing.step:.3g} at most"
-    return [check_row("step, farthest moved", moved, 2.0 * FAR, verdict, note)]
+    return [*rows, check_row("step, farthest moved", moved, 2.0 * FAR, verdict, note)]
 
 
 def _layer(case: Case, grid: Grid) -> list[Check]:

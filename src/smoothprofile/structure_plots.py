@@ -71,7 +71,11 @@ def chains_picture(history: History) -> Picture | None:
     }
     for (name, label), dashes in zip(curves.items(), DASHES, strict=True):
         lengths.plot(time, history[name], dashes, label=label)
-    order.plot(time, history["alignment"])
+    if np.isfinite(history["alignment"]).any():
+        order.plot(time, history["alignment"])
+    else:
+        order.set(xlim=lengths.get_xlim(), yticks=[])
+        order.text(0.5, 0.5, "no bonds", ha="center", transform=order.transAxes)
     gaps.plot(time, history["smallest_gap"])
     gaps.axhline(0.0, **LEVEL)
     legend_below(lengths, 3)
@@ -111,7 +115,7 @@ def energy_picture(history: History) -> Picture | None:
 
 def pairs_picture(table: Mapping[str, np.ndarray]) -> Picture | None:
     """g(r) of all pairs, of those along the field and of those across it."""
-    if not table:
+    if not table or not table["g"].any():
         return None
     figure, (axes,) = new_panels(1, HEIGHT, 5.4)
     labels = {"g_along": "along the field", "g_across": "across it", "g": "all pairs"}
@@ -143,6 +147,8 @@ def stress_picture(history: History) -> Picture | None:
         "electric_stress": "electric",
     }
     for number, (name, label) in enumerate(labels.items()):
+        if not history[name].any():
+            continue
         axes.plot(
             history["time"], history[name], label=label, color=PALETTE[(number + 3) % 4],
             linewidth=1.5 if number else 2.5,

@@ -29,7 +29,9 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
     ]
     if pairing.ratio is not None:
         shift = _round(pairing.shift, 4)
-        note = f"best {pairing.best_ratio:.4f}; a flat wall retreats {shift:.4f} ξ"
+        side = "retreats" if shift >= 0 else "advances"
+        acts = f"{side} {abs(shift):.4f} ξ" if shift else "acts where it is painted"
+        note = f"best {pairing.best_ratio:.4f}; a flat wall {acts}"
         rows.append(("√(νΔt)/ξ", f"{pairing.ratio:.4f}", note))
     vector = _vector if run.case.units is None else _relative
     rows += _of_bodies(run, summary, vector)
@@ -64,7 +66,7 @@ def stokes_table(run: "StokesSimulation") -> list[tuple[str, str, str]]:
 
 def _of_bodies(run: "FlowViews", summary: dict, vector: Callable) -> list[tuple[str, str, str]]:
     """What a run of a fluid says of its bodies, of their suspension, and of the walls."""
-    rows, bodies = _of_permittivity(run.case), run.particles
+    rows, bodies = _of_units(run.case) + _of_permittivity(run.case), run.particles
     for body, particle in zip(bodies[:MOST_BODIES], run.case.particles, strict=False):
         rows += _of_body(body, particle.motion == "free", vector)
     if len(bodies) > MOST_BODIES:
@@ -78,7 +80,8 @@ def _of_bodies(run: "FlowViews", summary: dict, vector: Callable) -> list[tuple[
     if "mean_chain_length" in summary:
         note = f"beads; the longest has {summary['longest_chain']}"
         rows.append(("mean chain length", f"{summary['mean_chain_length']:.4g}", note))
-    rows.append(("force on the walls", vector(summary["wall_force"]["total"]), ""))
+    if len(summary["wall_force"]) > 1:
+        rows.append(("force on the walls", vector(summary["wall_force"]["total"]), "of the fluid"))
     return rows
 
 
@@ -92,6 +95,7 @@ def field_table(run: "Electrostatics") -> list[tuple[str, str, str]]:
         ("mean field", _vector(summary["mean_field"]), ""),
         ("mean displacement", _vector(summary["mean_displacement"]), ""),
         ("energy", f"{summary['energy']:.6g}", "½∫E·εE dV"),
+        *_of_units(run.case),
         *_of_permittivity(run.case),
     ]
     if run.effective_permittivity is not None:
@@ -106,6 +110,20 @@ def field_table(run: "Electrostatics") -> list[tuple[str, str, str]]:
     seconds = f"{summary['wall_seconds']:.3g} s"
     rows += _numbers(number_rows(run.case))
     return [*rows, ("wall-clock", seconds, _threads(summary["threads"]))]
+
+
+def _of_units(case: "Case") -> list[tuple[str, str, str]]:
+    if case.units is None:
+        return []
+    units = case.units
+    names = ("length", "time", "mass" if units.density is None else "density")
+    note = (
+        ", ".join(names)
+        + " that 1 means here"
+        + ("; the field is √ε₀ E or √μ₀ H" if case.electric else "")
+    )
+    values = (units.length, units.time, units.density or units.mass or "1 kg")
+    return [("units", ", ".join(values), note)]
 
 
 def _of_permittivity(case: "Case") -> list[tuple[str, str, str]]:
@@ -139,13 +157,14 @@ def _numbers(rows: list[tuple[str, float, str]]) -> list[tuple[str, str, str]]:
 def _of_body(body: dict, free: bool, vector: Callable) -> list[tuple[str, str, str]]:
     name, inside = body["name"], body["interior_velocity"] - body["velocity"]
     rows = [
-        (f"force on {name}", vector(body["force"]), ""),
-        (f"torque on {name}", vector(body["torque"]), "about its position"),
+        (f"force on {name}", vector(body["force"]), "of the fluid"),
+        (f"torque on {name}", vector(body["torque"]), "of the fluid, about its position"),
         (f"surface of {name}", f"{body['painted_offset']:+.5g}", "painted outward by"),
     ]
     if free:
         rows.insert(0, (f"velocity of {name}", vector(body["velocity"]), "at the end"))
-        rows.insert(1, (f"place of {name}", vector(body["position"]), "its centre of mass"))
+        rows.insert(1, (f"spin of {name}", vector(body["angular_velocity"]), "at the end"))
+        rows.insert(2, (f"place of {name}", vector(body["position"]), "its centre of mass"))
     if body["shape"] != "plane":
         slip = f"{np.linalg.norm(inside):.3g}"
         rows.append((f"slip inside {name}", slip, "at its centre; 0 is exact"))

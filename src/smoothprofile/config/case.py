@@ -124,8 +124,12 @@ class Case(Table):
 
     def to_toml(self) -> str:
         """The case as TOML with every default spelled out; loading it gives an equal case."""
+        return document(self.data())
+
+    def data(self) -> dict[str, Any]:
+        """The case as plain data with every default spelled out."""
         data = self.model_dump(exclude_none=True)
-        return document(with_meaning(data) if is_stokes(self) else data)
+        return with_meaning(data) if is_stokes(self) else data
 
     def stages(self) -> tuple["Case", ...]:
         """The runs to make in order: the preliminary ones of `start`, then the case itself."""

@@ -86,7 +86,7 @@ def _checked(data: dict[str, Any], folder: Path) -> Case:
 
 def _data_of(source: Any) -> dict[str, Any]:
     if isinstance(source, Case):
-        return source.model_dump(exclude_none=True)
+        return source.data()
     if isinstance(source, Mapping):
         return dict(source)
     if not isinstance(source, str | os.PathLike):

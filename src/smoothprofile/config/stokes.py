@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-5
 """Of a solve, if the case gives none: the last flow starts the next, so that errors stay small."""
+TOLERANCES = (1e-12, 0.1)
 WITHOUT_MEANING = {
     ("time", "scheme"): "bodies are moved by the Adams-Bashforth rule",
     ("time", "coupling"): "fluid and bodies are solved for at once",
@@ -47,6 +48,9 @@ def check_stokes(case: "Case") -> None:
         given = getattr(case, table)
         if key in given.model_fields_set:
             raise Refusal(f"{table}.{key}", getattr(given, key), f"in Stokes flow {why}")
+    tolerance, (low, high) = case.fluid.tolerance, TOLERANCES
+    if tolerance is not None and not low <= tolerance <= high:
+        raise Refusal("fluid.tolerance", tolerance, f"it must be from {low:g} to {high:g}")
     if case.domain.precision != "double":
         raise Refusal("domain.precision", case.domain.precision, 'Stokes flow needs "double"')
     if case.start:

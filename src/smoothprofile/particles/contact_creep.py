@@ -1,7 +1,7 @@
 """Contact of bodies without inertia: a push is a speed, not a change of speed.
 
     dR/dt = V̄ + V̇(t − Δt/2) + w,   (1/M + Z) w = Σf,   Z w = Σ_j Z_ij n n·(w_i − w_j)
-    M = 2/(6πμa),   Z_ij = 6πμa_r²(1/max(h, s/2) − 1/a_r)₊,   a_r = a_i a_j/(a_i + a_j)
+    M = 3/(6πμa),   Z_ij = 6πμa_r²(1/max(h, s/2) − 1/a_r)₊,   a_r = a_i a_j/(a_i + a_j)
 
 The mobility that the fluid gives all bodies together is known but once a step, from a Stokes
 solve; contact is too stiff for that, and in sub-steps has this one in its place, of lone bodies
@@ -13,8 +13,8 @@ V is what the Stokes solve gives under all loads, the mean F̄ of contact over t
 them, and w̄ is what contact moved in that step. Where contact does not change bodies move with V,
 whatever M and Z are; where it does, gaps are those of the law of contact at all times, and F̄ comes
 to what the true mobility asks for in a few steps. That converges where the true mobility is below
-1.5 times the one above: M is twice that of a lone body, for forces along a chain of n beads move
-it ¾(ln 2n − .8) times as fast.
+1.5 times the one above: M is thrice that of a lone body, for forces along a chain of n beads move
+it 1.5(ln 2n − .8) times as fast as one.
 
 A sub-step is explicit in the repulsion, as many as have kMδt ≤ ¼ of the stiffest pair, k = 2F₀/s,
 and no pair closes by more than s/4 in one; lubrication is implicit; what would still pass through
@@ -33,14 +33,14 @@ from smoothprofile.particles.contact_hits import drag_apart, hold, push, stop
 from smoothprofile.particles.contact_sweep import (
     Hits,
     MassTable,
-    _drift,
-    _meet,
-    _place,
-    _set_out,
-    _speed_up,
+    drift,
+    meet,
+    place_parts,
+    set_out,
+    speed_up,
 )
 
-SHARE = 2.0
+SHARE = 3.0
 """M over the mobility of a lone sphere."""
 FILM_TOLERANCE, FILM_ITERATIONS = 1e-3, 60
 STOPS = 3
@@ -48,7 +48,7 @@ STOPS = 3
 
 
 class CreepingContact(Contact):
-    """Contact among given bodies in a given box; `angular` (n,) is 2/(8πμa³), M of turning."""
+    """Contact among given bodies in a given box; `angular` (n,) is 3/(8πμa³), M of turning."""
 
     def __init__(
         self,
@@ -94,11 +94,11 @@ def creep(
     for k in range(first, count):
         s.gain[:] = 0.0
         s.spin_gain[:] = 0.0
-        fastest = _set_out(k * h, dt, n, masses, course, s)
-        if _place(parts, s, built) > slack and k > first:
+        fastest = set_out(k * h, dt, n, masses, course, s)
+        if place_parts(parts, s, built) > slack and k > first:
             return k, least
-        met = _meet(rows, start, max(cutoff, 2.0 * fastest * h), parts, masses, box, s, hits)
-        _speed_up(0.5 * h, n, course, s)
+        met = meet(rows, start, max(cutoff, 2.0 * fastest * h), parts, masses, box, s, hits)
+        speed_up(0.5 * h, n, course, s)
         for c in range(met):
             least = min(least, hits.gap[c])
             push(c, h, hits, masses, box, law, s)
@@ -118,7 +118,7 @@ def creep(
         for c in range(met):
             if hits.pair[c, 1] < 0:
                 hold(c, h, hits, masses, box, s)
-        _drift(h, n, s)
+        drift(h, n, s)
     return count + 1, least
 
 

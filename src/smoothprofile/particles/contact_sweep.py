@@ -112,17 +112,17 @@ def sweep(first, count, dt, rows, start, built, slack, cutoff, parts, masses, bo
     )  # fmt: skip
     least = np.inf
     for k in range(first, count + 1):
-        fastest = _set_out(k * h, dt, n, masses, course, s)
+        fastest = set_out(k * h, dt, n, masses, course, s)
         weight = 0.5 if k in (0, count) else 1.0
-        if _place(parts, s, built) > slack and k > first:
+        if place_parts(parts, s, built) > slack and k > first:
             return k, least
-        met = _meet(rows, start, max(cutoff, 2.0 * fastest * h), parts, masses, box, s, hits)
+        met = meet(rows, start, max(cutoff, 2.0 * fastest * h), parts, masses, box, s, hits)
         for c in range(met):
             least = min(least, hits.gap[c])
             push(c, weight * h, hits, masses, box, law, s)
         if k == count:
             break
-        _speed_up(0.5 * h, n, course, s)
+        speed_up(0.5 * h, n, course, s)
         for c in range(met):
             a, b = hits.radius[c, 0], hits.radius[c, 1]
             if law.viscosity > 0.0 and a > 0.0:
@@ -135,12 +135,12 @@ def sweep(first, count, dt, rows, start, built, slack, cutoff, parts, masses, bo
         for c in range(met):
             if hits.pair[c, 1] < 0:
                 hold(c, h, hits, masses, box, s)
-        _drift(h, n, s)
+        drift(h, n, s)
     return count + 1, least
 
 
 @njit
-def _set_out(t, dt, n, masses, course, s):
+def set_out(t, dt, n, masses, course, s):
     """Places and velocities at t, J⁻¹ in space; returns the fastest speed."""
     fastest = 0.0
     for b in range(n):
@@ -173,7 +173,7 @@ def _set_out(t, dt, n, masses, course, s):
 
 
 @njit
-def _place(parts, s, built):
+def place_parts(parts, s, built):
     """Centres and frames of all parts; returns how far the farthest has moved since `built`."""
     farthest = 0.0
     turn = np.empty((3, 3))
@@ -203,7 +203,7 @@ def _place(parts, s, built):
 
 
 @njit
-def _meet(rows, start, reach, parts, masses, box, s, hits):
+def meet(rows, start, reach, parts, masses, box, s, hits):
     """Fill `hits` with the candidates whose gap is less than `reach`; returns how many."""
     met = 0
     normal, point, other = np.empty(3), np.empty(3), np.empty(3)
@@ -264,7 +264,7 @@ def _note_radii(p, o, parts, radius):
 
 
 @njit
-def _speed_up(h, n, course, s):
+def speed_up(h, n, course, s):
     for b in range(n):
         for d in range(3):
             s.velocity[b, d] += h * course.velocity_rate[b, d]
@@ -272,7 +272,7 @@ def _speed_up(h, n, course, s):
 
 
 @njit
-def _drift(h, n, s):
+def drift(h, n, s):
     for b in range(n):
         for d in range(3):
             s.shift[b, d] += h * s.gain[b, d]

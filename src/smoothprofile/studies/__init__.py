@@ -19,6 +19,7 @@ STUDIES: dict[str, str] = {
     "dns": "Spheres in a duct and in arrays by body-fitted finite elements (needs ngsolve)",
     "smoothed-viscosity": "Spheres made stiff by a smoothed viscosity (thesis 3.1, option 2)",
     "refinement": "Cells that cluster around a sphere in a duct, beside equal ones",
+    "methods": "Every method on the same problems: force, error, seconds",
     "mason": "Beads between sliding electrodes: apparent viscosity against the Mason number",
 }
 """Name -> what it is about. The function `run` of the file of that name does it."""

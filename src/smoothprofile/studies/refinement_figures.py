@@ -8,7 +8,7 @@ from smoothprofile.figures import GUIDE, PALETTE, Picture, drawing, new_figure, 
 
 Columns = Mapping[str, np.ndarray]
 
-FAMILIES = {"refined": "refined", "uniform": "equal cells"}
+FAMILIES = {"refined": "refined", "core": "refined beyond a core", "uniform": "equal cells"}
 PAINTINGS = {"radial": "surface moved by the radial problem", "planar": "by the planar shift alone"}
 SHOWN = 5.0
 """Of the duct either side of the sphere."""
@@ -26,6 +26,8 @@ def _errors(curves: Mapping[str, Columns]) -> Picture:
         found = curves[f"{name}_meshes"]
         left.semilogx(found["cells"], found["error"], "-o", color=colour, label=label)
         right.semilogx(1e3 * found["seconds_per_step"], found["error"], "-o", color=colour)
+        if name == "core":
+            continue
         for cells, error, *count in zip(
             *(found[key] for key in ("cells", "error", "cells_along", "cells_across")), strict=True
         ):
@@ -33,7 +35,7 @@ def _errors(curves: Mapping[str, Columns]) -> Picture:
             left.annotate(
                 "×".join(f"{n}" for n in (*count, count[-1])),
                 (cells, error),
-                (-6, 6) if above else (6, -12),
+                (-6, 4) if above else (6, -12),
                 textcoords="offset points",
                 ha="right" if above else "left",
                 fontsize=7,
@@ -41,7 +43,7 @@ def _errors(curves: Mapping[str, Columns]) -> Picture:
             )
     left.set(title="Error of the force, ξ = 0.15", xlabel="cells (–)", ylabel="F/F₀ − 1 (%)")
     right.set(title="The same against time", xlabel="a step (ms)", ylabel="F/F₀ − 1 (%)")
-    left.margins(0.25, 0.12)
+    left.margins(0.3, 0.12)
     left.legend(loc="lower right")
     return Picture(
         "error",
@@ -67,8 +69,7 @@ def _layers(curves: Mapping[str, Columns]) -> Picture:
     axes.legend(loc="center right")
     return Picture(
         "layers",
-        "Error of the force with ξ = 1.6 cells at the sphere and √(νΔt) = 0.755ξ, on refined "
-        "meshes.",
+        "Error of the force with ξ = 1.6 cells of the core and √(νΔt) = 0.755ξ, refined beyond.",
         figure,
     )
 

@@ -14,8 +14,10 @@ from smoothprofile.simulation import Simulation
 
 FORCE = 164.138
 """On the sphere at Re = 10, by body-fitted finite elements."""
-RATIOS, CORE = (24.0, 1.6, 1.6), 1.3
-"""Widest over narrowest cell along and across the duct; half width of the equal cells, in radii."""
+RATIOS = (24.0, 1.6, 1.6)
+"""Widest over narrowest cell along and across the duct."""
+CORE = 1.3
+"""Half width of the equal cells around the sphere, in radii, where there are any."""
 LONG_STEP = 0.09
 SECONDS = 5
 """Steps of each mesh that are timed, in turn."""
@@ -23,10 +25,11 @@ SECONDS = 5
 
 @dataclass(frozen=True)
 class Mesh:
-    """Cells along x, y and z, and the ratios of their widths; 1 is uniform."""
+    """Cells along x, y and z, the ratios of their widths, 1 is uniform, and equal ones' extent."""
 
     cells: tuple[int, int, int]
     ratios: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    core: float = 0.0
 
     @property
     def count(self) -> int:
@@ -39,7 +42,7 @@ class Mesh:
     def changes(self) -> dict[str, object]:
         """What makes this the mesh of the case duct."""
         laws = [
-            {"focus": 0.0, "ratio": ratio, "core": CORE} if ratio > 1.0 else "uniform"
+            {"focus": 0.0, "ratio": ratio, "core": self.core} if ratio > 1.0 else "uniform"
             for ratio in self.ratios
         ]
         return {"domain.cells": list(self.cells), "domain.stretching": laws, "start": []}
@@ -51,13 +54,18 @@ def uniform(along: int, across: int) -> Mesh:
 
 
 def refined(along: int, across: int) -> Mesh:
-    """Cells that cluster around the sphere."""
+    """Cells that widen from the sphere's centre on."""
     return Mesh((along, across, across), RATIOS)
+
+
+def cored(along: int, across: int) -> Mesh:
+    """Equal cells as far as the sphere and its layer reach, that widen beyond."""
+    return Mesh((along, across, across), RATIOS, CORE)
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """The force of a mesh with a layer and a step; width: of the cells at the sphere, along x."""
+    """The force of a mesh with a layer and a step; width: of the narrowest cells along x."""
 
     mesh: Mesh
     thickness: float
@@ -116,7 +124,7 @@ def ladder(
 def paired(
     meshes: Sequence[Mesh], cells: float, end: float, before: Simulation, retract: bool | str
 ) -> list[Found]:
-    """ξ of that many cells at the sphere, √(νΔt) = kξ with the best k, one mesh after the other."""
+    """ξ of so many of the narrowest cells, √(νΔt) = kξ with the best k, mesh after mesh."""
     rows: list[Found] = []
     for mesh in meshes:
         thickness = cells * width_along(mesh)

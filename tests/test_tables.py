@@ -1,0 +1,67 @@
+"""The table that a run ends with."""
+
+import pytest
+
+import smoothprofile as sp
+from case_makers import small_case, sphere
+from smoothprofile.running import _warning
+from smoothprofile.tables import result_table
+
+
+def table_of(case):
+    run = sp.Simulation(sp.load_case(case))
+    run.run()
+    return {name: (value, note) for name, value, note in result_table(run)}
+
+
+def short(*particles, **tables):
+    case = small_case(*particles, boundaries=("periodic",) * 3)
+    case["time"] = case["time"] | {"max_steps": 1}
+    return case | tables
+
+
+def test_a_free_body_is_told_with_its_spin_and_whose_force_it_feels():
+    table = table_of(short(sphere(motion="free", density=2.0, angular_velocity=[0.0, 0.0, 0.5])))
+    (name,) = (row.removeprefix("spin of ") for row in table if row.startswith("spin of "))
+    spin = [float(value) for value in table[f"spin of {name}"][0].strip("()").split(",")]
+    # The fluid slows it down a little in a step.
+    assert 0.3 < spin[2] <= 0.5
+    assert table[f"force on {name}"][1] == "of the fluid"
+    held = table_of(short(sphere()))
+    assert not any(row.startswith("spin of") for row in held)
+
+
+def test_walls_are_told_of_where_there_are_some():
+    case = short(sphere())
+    assert "force on the walls" not in table_of(case)
+    case["domain"] = case["domain"] | {"boundaries": ["periodic", "wall", "periodic"]}
+    assert "force on the walls" in table_of(case)
+
+
+@pytest.mark.parametrize(
+    ("units", "told"),
+    [
+        ({"length": "10 um", "time": "1 ms", "mass": "1 ng"}, "10 um, 1 ms, 1 ng"),
+        ({"length": "10 um", "density": "1 g/cm^3"}, "10 um, 1 s, 1 g/cm^3"),
+        ({}, "1 m, 1 s, 1 kg"),
+    ],
+)
+def test_the_units_of_the_numbers_are_told(units, told):
+    table = table_of(short(sphere(), units=units))
+    assert table["units"][0] == told
+    assert table["units"][1].startswith("length, time, ")
+    assert "√ε₀" not in table["units"][1]
+    assert "units" not in table_of(short(sphere()))
+
+
+@pytest.mark.parametrize(
+    ("limit", "told"),
+    [
+        (float("inf"), "Note: time step is 0.4: a remark."),
+        (None, "Note: time step is 0.4: a remark."),
+        (0.25, "Note: time step is 0.4, against 0.25: a remark."),
+    ],
+)
+def test_a_warning_has_a_limit_beside_it_where_there_is_one(limit, told):
+    row = {"name": "time step", "value": 0.4, "limit": limit, "verdict": "warn", "note": "a remark"}
+    assert _warning(**row) == told
