@@ -10,7 +10,6 @@ import trimesh
 
 from smoothprofile.config.files import read_bodies
 from smoothprofile.errors import CaseError
-from smoothprofile.runrecord import read_run
 from smoothprofile.triangles import load_surface
 
 LONGEST = 2.0
