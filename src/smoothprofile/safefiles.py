@@ -38,9 +38,11 @@ def reason(error: BaseException) -> str:
 def replacing(path: Path, keep: Path | None = None) -> Iterator["DiskFile"]:
     """A binary file to write, which takes the place of `path` at the end. OutputError if it fails.
 
-    If it does, whatever stood there before still stands; if not, it stands at `keep`.
+    If it does, whatever stood there before still stands; if not, it stands at `keep`. Only where
+    the directory cannot be flushed at last is the new file there, and none if none was before.
     """
     draft = path.with_name(path.name + ".new")
+    unfinished = [draft] if path.exists() else [draft, path]
     try:
         with writing(path):
             with DiskFile(draft) as file:
@@ -51,8 +53,9 @@ def replacing(path: Path, keep: Path | None = None) -> Iterator["DiskFile"]:
             os.replace(draft, path)
             flush_directory(path.parent)
     except BaseException:
-        with suppress(OSError):
-            draft.unlink()
+        for left in unfinished:
+            with suppress(OSError):
+                left.unlink()
         raise
 
 
