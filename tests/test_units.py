@@ -169,6 +169,10 @@ def test_sources_and_overrides_take_units():
             'such as "50 mPa s", or the case a table [units].',
         ),
         ({"units.length": "1 kg"}, 'units.length is "1 kg"; it must be a length such as "10 um".'),
+        (
+            {"units.length": "1e308 um"},
+            'units.length is "1e308 um"; in SI it must be between 1e-30 and 1e+30.',
+        ),
         ({"units.length": 3}, 'units.length is 3; it must be a length such as "10 um".'),
         ({"units.length": "um"}, 'units.length is "um"; it must be a length such as "10 um".'),
         ({"units.mass": "-1 kg"}, 'units.mass is "-1 kg"; it must be above 0.'),

@@ -59,6 +59,10 @@ class System:
         return float(f"{value / (self.length**a * self.time**b * self.mass**c):.15g}")
 
 
+FARTHEST = 1e30
+"""How far a unit may be from SI's, either way: beyond, its powers leave the range of numbers."""
+
+
 def without_units(data: dict[str, Any]) -> dict[str, Any]:
     """The case with plain numbers only, and with [units] if it had any units.
 
@@ -88,8 +92,11 @@ def _unit_of(text: str, name: str) -> float:
     if not QUANTITY.fullmatch(text):
         raise Refusal(f"units.{name}", text, f"it must be {kind}")
     value = si_value(kind, text, f"units.{name}")
-    if not 0.0 < value < math.inf:
+    if not value > 0.0:
         raise Refusal(f"units.{name}", text, "it must be above 0")
+    if not 1.0 / FARTHEST < value < FARTHEST:
+        allowed = f"in SI it must be between {1.0 / FARTHEST:g} and {FARTHEST:g}"
+        raise Refusal(f"units.{name}", text, allowed)
     return value
 
 
