@@ -43,6 +43,8 @@ def test_defaults_depend_on_what_is_given():
     [
         ("fluid.viscosty=1", "fluid.viscosty", "", "nearest is fluid.viscosity"),
         ("viscosity=1", "viscosity", "", "nearest is fluid.viscosity"),
+        ("fluid.walls=1", "fluid.walls", "", "nearest is fluid.wall_velocity."),
+        ("fluid.plume=1", "fluid.plume", "", "known here are flow, "),
         ("particles.0.radus=1", "particles.0.radus", "", "nearest is particles.0.radius"),
         ("fluid.mean_velocity.w=1", "fluid.mean_velocity.w", "", "x, y, z"),
         ("fluid.viscosity=-1", "fluid.viscosity", "-1", "above 0"),

@@ -180,3 +180,19 @@ def test_toml_text_reads_back():
 def test_a_table_in_a_wrong_place_is_shown_on_one_line():
     text = refusal(small_case(sphere(shape={"\n": False})))
     assert text.startswith('particles.0.shape is { "\\n" = false }; it must be one of')
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("[fluid]\ndensity = 1\ndensity = 2\n", "line 3, column 12: the key density is given"),
+        ("fluid.density = 1\nfluid.density = [\n1]\n", "3, column 3: the key fluid.density is"),
+        ("[fluid]\na = 1\n[fluid]\nb = 2\n", "line 3, column 7: the table [fluid] is given"),
+        ("[a.b]\n[a.b]\n", "line 2, column 5: the table [a.b] is given"),
+        ("a = { x = 1, x = 2 }\n", "line 1, column 19: the key x is given"),
+    ],
+)
+def test_what_is_given_twice_is_named(tmp_path, text, told):
+    (tmp_path / "case.toml").write_text(text)
+    sentence = refusal(tmp_path / "case.toml")
+    assert told in sentence and sentence.endswith(" twice.")

@@ -138,6 +138,10 @@ def test_the_table_tells_of_a_few_bodies_and_counts_the_rest():
     assert sum(name.startswith("velocity of") for name in table) == 6
     assert table["other bodies"] == ("2", "see particles.csv")
     assert table["mean velocity"][1] == "of all 8 bodies"
+    # What is true of all stands before the first of more than three bodies.
+    names = list(table)
+    first = next(name for name in names if name.startswith("velocity of"))
+    assert names.index("mean velocity") < names.index(first)
 
 
 def test_a_free_body_that_starts_spinning_is_painted_for_its_drag():

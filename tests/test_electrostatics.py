@@ -155,6 +155,8 @@ def test_a_bead_between_electrodes_raises_their_charge():
     # c = 4π/(3·512); Maxwell Garnett, whose error here is of the order of c².
     c = 4 * np.pi / (3 * 512)
     assert with_bead / empty == pytest.approx(1 + 3 * c * 0.75 / (1 - 0.75 * c), rel=2e-3)
+    assert done.permittivity_along == with_bead / empty
+    assert "effective permittivity" in [name for name, _, _ in done.table()]
 
 
 def test_the_thesis_discretisation_agrees_and_gives_no_forces():

@@ -13,6 +13,7 @@ from smoothprofile.config import load_case
 from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.retrying import change_step
 from smoothprofile.runs import run_of
+from smoothprofile.selfcheck import error_card
 from smoothprofile.simulation import Simulation
 from smoothprofile.stokes_simulation import StokesSimulation
 from smoothprofile.theory.pair_images import image_flow
@@ -157,6 +158,18 @@ def test_forces_of_bodies_walls_and_drive_balance():
     assert run.bodies.state.force[free.rows] == pytest.approx(-given[:, :3], abs=1e-9)
     assert run.bodies.state.torque[free.rows] == pytest.approx(-given[:, 3:], abs=1e-9)
     assert run.summary()["apparent_viscosity"] > 1.0
+
+
+def test_walls_bear_a_body_force_that_ends_in_them():
+    between = ("periodic", "periodic", "wall")
+    fluid = {"body_force": [0.0, 0.0, -2.0]}
+    run = marched(run_of_box(ball([4, 4, 3], "held"), boundaries=between, cells=32, fluid=fluid))
+    # b V, less what acts within half a cell of each wall, beyond the last pressures.
+    assert run.wall_force["total"] == pytest.approx([0.0, 0.0, -2.0 * 512.0 * 31 / 32], abs=1e-9)
+    z = run.grid.axes[2].centres
+    assert np.ptp(run.pressure + 2.0 * (z - 4.0)) < 1e-12
+    assert error_card(run)[2]["name"] == "momentum"
+    assert error_card(run)[2]["value"] < 1e-12
 
 
 def test_stress_on_sliding_walls_is_that_of_fluid_contact_and_field():

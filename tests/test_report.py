@@ -123,11 +123,11 @@ def test_axes_are_titled_and_carry_units(drawn):
 def test_curves_hold_the_data_of_the_run(run, drawn):
     record = read_run(run)
     force = labelled(drawn["force"].figure)
-    assert list(force) == ["F₁, sphere-1", "body-fitted"]
+    assert list(force) == ["Fx, sphere-1", "body-fitted"]
     expected = record.particles["sphere-1"]
-    assert np.array_equal(force["F₁, sphere-1"].get_ydata(), expected["force_x"])
+    assert np.array_equal(force["Fx, sphere-1"].get_ydata(), expected["force_x"])
     assert list(force["body-fitted"].get_ydata()) == [164.138, 164.138]
-    profile = labelled(drawn["velocity-x-along-y"].figure)["wake (x₁ = 2, x₃ = 0)"]
+    profile = labelled(drawn["velocity-x-along-y"].figure)["wake (x = 2, z = 0)"]
     assert np.array_equal(profile.get_xydata().T, record.lines["wake"])
     shear = labelled(drawn["wall-shear"].figure)["this run"]
     assert np.array_equal(shear.get_xydata().T, record.wall_shear)
@@ -152,8 +152,8 @@ def test_plane_is_the_right_way_up(drawn):
     radius = np.hypot(*outline.T)
     # Half a cell is .25; linear contouring of a smooth field keeps well within it.
     assert np.abs(radius - 1).max() < 0.1
-    assert axes.get_xlabel() == "x₁ (length)"
-    assert axes.get_ylabel() == "x₂ (length)"
+    assert axes.get_xlabel() == "x (length)"
+    assert axes.get_ylabel() == "y (length)"
     assert np.ptp(axes.get_xlim()) > 2 * np.ptp(axes.get_ylim())
 
 
@@ -177,7 +177,7 @@ def test_nothing_is_cut_off(drawn):
 def test_many_particles_stay_legible(tmp_path):
     write_run(tmp_path / "run", steps=20, bodies=12)
     force = labelled(by_name(tmp_path / "run")["force"].figure)
-    assert list(force) == ["F₁, each of 12 particles"]
+    assert list(force) == ["Fx, each of 12 particles"]
     write_run(tmp_path / "few", steps=20, bodies=3)
     force = labelled(by_name(tmp_path / "few")["force"].figure)
     assert [to_hex(line.get_color()).upper() for line in force.values()] == list(PALETTE[:3])
@@ -194,7 +194,19 @@ def test_report_is_one_file_that_loads_nothing(run, page, drawn):
     assert len(checker.loads) == 6
     assert all(source.startswith("data:image/png;base64,") for source in checker.loads)
     assert "http" not in page.partition("<details>")[0]
-    assert sorted(path.stem for path in (run / "figures").iterdir()) == sorted(drawn)
+    assert sorted(path.stem for path in (run / "figures").glob("*.png")) == sorted(drawn)
+
+
+def test_a_figure_that_is_no_longer_drawn_goes(tmp_path):
+    write_run(tmp_path / "run", steps=20, bodies=2)
+    report.write_report(tmp_path / "run")
+    figures = tmp_path / "run" / "figures"
+    (figures / "mine.png").write_bytes(b"mine")
+    assert (figures / "force.png").is_file()
+    (tmp_path / "run" / "particles.csv").unlink()
+    report.write_report(tmp_path / "run")
+    # Its own figure goes with its data; one that somebody else put there stays.
+    assert not (figures / "force.png").exists() and (figures / "mine.png").is_file()
 
 
 def test_report_escapes_what_users_wrote(page):

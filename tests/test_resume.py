@@ -311,6 +311,10 @@ def test_a_directory_whose_run_had_not_begun_is_begun(spm, tmp_path, monkeypatch
     assert spm("run", "case.toml", "--out", "run", "--resume-if-exists")[0] == 0
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "mine.txt").write_text("mine")
+    code, _, err = spm("run", "case.toml", "--out", "run", "--resume-if-exists")
+    assert code == 0 and "has ended already: max_steps; there is nothing left to do." in err
+    code, out, _ = spm("run", "case.toml", "--out", "run", "--resume-if-exists", "--json")
+    assert code == 0 and json.loads(out)["status"] == "max_steps"
     code, _, err = spm("run", "case.toml", "--out", "other", "--resume-if-exists")
     assert code == 2 and "not a run directory" in err
     assert (tmp_path / "other" / "mine.txt").read_text() == "mine"

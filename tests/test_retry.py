@@ -9,8 +9,9 @@ import pytest
 from coupled import momentum, simulation, sphere, steps
 from restarts import files_digest
 from smoothprofile.config import load_case
-from smoothprofile.errors import BlowUpError
-from smoothprofile.retrying import change_step, smaller_step
+from smoothprofile.errors import BlowUpError, CaseError
+from smoothprofile.retrying import change_step, smaller_step, steps_to_try
+from smoothprofile.simulation import Simulation
 from smoothprofile.stops import Stops
 from test_resume import body, box
 
@@ -146,10 +147,51 @@ def test_a_retry_that_gets_no_farther_goes_back_by_one_more_checkpoint(spm, tmp_
     assert [(note["step"], note["time_step"]) for note in notes] == [(5, 0.01), (4, 0.005)]
 
 
+def test_a_step_that_the_case_cannot_take_is_halved_fewer_times(spm, tmp_path, monkeypatch):
+    accelerating(tmp_path)
+    limit(monkeypatch, 1.0)
+    take = Simulation.take_step
+
+    def refuse_below(least):
+        def taking(self, step):
+            if step < least:
+                raise CaseError("too short a step.")
+            take(self, step)
+
+        monkeypatch.setattr(Simulation, "take_step", taking)
+
+    # Two halvings would be taken, and the first alone is allowed; it begins at step 1 all the same.
+    refuse_below(0.01)
+    code, _, err = spm("run", "case.toml", "--out", "run", "--retry", "1")
+    assert "Trying again from step 1 with Δt = 0.01 instead of 0.02." in err
+    (note,) = json.loads((tmp_path / "run" / "run.json").read_text())["retries"]
+    assert (note["time_step_before"], note["time_step"]) == (0.02, 0.01)
+    refuse_below(0.02)
+    code, _, err = spm("run", "case.toml", "--out", "other", "--retry", "1")
+    assert code == 3 and "It cannot be tried again: too short a step." in err
+    assert "goes back to its last checkpoint" not in err
+    code, _, err = spm("run", "case.toml", "--out", "third")
+    assert code == 3 and "goes back to its last checkpoint" not in err
+
+
+def test_a_refused_change_of_step_leaves_the_run_as_it_was():
+    """Free bodies of BDF3 have memory of several levels, which is what a change may lose."""
+    bodies = [sphere([1.0, 1.2, 2.0], motion="free", density=0.4, velocity=[1.0, 0.5, 0.0])]
+    plain, tried = (simulation(*bodies, scheme="bdf3", retract="planar") for _ in range(2))
+    steps(plain, 8)
+    steps(tried, 4)
+    with pytest.raises(CaseError):
+        change_step(tried, 1e12, "")
+    steps(tried, 4)
+    assert np.array_equal(plain.velocity, tried.velocity)
+    assert np.array_equal(plain.bodies.state.velocity, tried.bodies.state.velocity)
+
+
 def test_smaller_steps_are_halves():
     assert smaller_step(1.0, None) == smaller_step(1.0, 0.9) == smaller_step(1.0, 0.5) == 0.5
     assert smaller_step(1.0, 0.4) == smaller_step(1.0, 0.25) == 0.25
     assert smaller_step(1.0, 0.2) == smaller_step(1.0, 1e-9) == 0.125
+    assert steps_to_try(1.0, 1e-9) == [0.125, 0.25, 0.5] and steps_to_try(1.0, None) == [0.5]
 
 
 @pytest.mark.parametrize("scheme", ["backward-euler", "crank-nicolson", "bdf2", "bdf3"])

@@ -332,9 +332,9 @@ def test_sentences_call_bodies_by_their_places_in_the_file(tmp_path, monkeypatch
 def test_five_thousand_bodies_load_at_once():
     case = cube(beads(random={"count": 5000}, motion="free", density=2.0), side=12.0)
     load_case(case | {"particles": [beads(random={"count": 10})]})
-    # Of this process alone: other work on the machine does not count.
+    # Of this process alone, though what shares its memory slows it down to a fifth.
     start = time.process_time()
     loaded = load_case(case)
-    # The promise; about a second and a half is taken, of which packing is one.
-    assert time.process_time() - start < 6.0
+    # A second and a half on a machine of its own; with pairs compared one by one, minutes.
+    assert time.process_time() - start < 15.0
     assert len(loaded.particles) == 5000

@@ -12,6 +12,7 @@ from smoothprofile.shapes import ellipsoid, sphere
 from smoothprofile.theory.two_spheres import pair_mobility
 from smoothprofile.threads import set_thread_count
 from smoothprofile.viscous.around import stokes_around
+from smoothprofile.viscous.iteration import constrained_conjugate_gradients, norm
 from stokes_scenes import CUBIC, DUCT, array_drag, at, box, cubic_array, duct, images, wavy
 
 PULL = 6.0 * math.pi
@@ -270,6 +271,21 @@ def test_threads_change_no_bit():
         found.append(stokes.mobility(state, 1.0, 0.5, mean_velocity=(None, 0.0, None)))
     for name in ("velocity", "spin", "wall_force", "mean_velocity"):
         assert np.array_equal(*(getattr(motion, name) for motion in found)), name
+
+
+def test_loads_that_have_died_away_are_no_divergence():
+    """A sphere at rest on a floor leaves residuals whose products are less than any number."""
+    residual, found = np.full(1000, 2.5e-162), np.zeros(1000)
+
+    def a_tenth(r, out):
+        np.multiply(r, 0.1, out=out)
+
+    options = {"reference": norm(residual), "tolerance": 1e-6, "limit": 10}
+    assert options["reference"] > 0.0
+    report = constrained_conjugate_gradients(
+        a_tenth, a_tenth, lambda r: None, found, residual, **options
+    )
+    assert (report.status, report.iterations) == ("converged", 0)
 
 
 def test_a_solve_that_stops_short_says_so():

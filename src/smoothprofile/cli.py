@@ -108,6 +108,7 @@ def check(
     """Say what a case amounts to, before hours are spent on it."""
     with exit_codes(json):
         from smoothprofile.config import load_case
+        from smoothprofile.gap_checks import lattice_rows
         from smoothprofile.numbers import number_rows, numbers_of
         from smoothprofile.runs import run_of
 
@@ -115,6 +116,7 @@ def check(
         loaded = load_case(case, set_ or [])
         _use(threads)
         rows, title = run_of(loaded).preflight(), loaded.title
+        rows += lattice_rows(case, set_ or [])
         if answer({"title": title, "checks": rows, "numbers": numbers_of(loaded)}, json, out):
             heads = ("check", "value", "limit or best", "verdict", "note")
             print_table(title, heads, [tuple(row.values()) for row in rows])

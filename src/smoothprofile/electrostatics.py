@@ -15,7 +15,7 @@ import numpy as np
 
 from smoothprofile import cuts
 from smoothprofile.assembly import build_field, build_grid, starting_state
-from smoothprofile.config import Case, build_shape, load_case
+from smoothprofile.config import AXES, Case, build_shape, load_case
 from smoothprofile.electric.enclosing import enclosing_loads
 from smoothprofile.electric.field import ResolvedField, at_points
 from smoothprofile.errors import BlowUpError, CaseError
@@ -179,6 +179,7 @@ class Electrostatics:
             "residual": self.report.residual,
             "effective_iterations": [report.iterations for report in self.effective_reports],
             "effective_permittivity": self.effective_permittivity,
+            "permittivity_along": self.permittivity_along,
             "mean_displacement": self.field.mean_displacement(),
             "mean_field": self.case_field,
             "energy": self.energy,
@@ -191,6 +192,15 @@ class Electrostatics:
     def case_field(self) -> np.ndarray:
         """E₀: the mean field, that of the electrodes included."""
         return np.array(self.field.drive.field)
+
+    @property
+    def permittivity_along(self) -> float | None:
+        """⟨D⟩/E₀ across electrodes, their charge over that without bodies at ε = 1; else None."""
+        electrodes = self.case.electric.electrodes
+        if electrodes is None or electrodes.low == electrodes.high:
+            return None
+        axis = AXES.index(electrodes.axis)
+        return float(self.field.mean_displacement()[axis] / self.case_field[axis])
 
     def table(self) -> list[tuple[str, str, str]]:
         """The result as rows quantity, value, note, for people."""

@@ -10,6 +10,7 @@ from smoothprofile.assembly import layer_thickness, smoothing_of, starting_state
 from smoothprofile.config import AXES, SPECTRAL, Case, body_shape, has_edges
 from smoothprofile.contact_scales import field_speed
 from smoothprofile.electric.medium import widest_cell
+from smoothprofile.gap_checks import gap_rows
 from smoothprofile.grid import Grid
 from smoothprofile.pairing import Pairing
 from smoothprofile.preflight import (
@@ -41,7 +42,8 @@ def field_checks(case: Case, grid: Grid) -> list[Check]:
 
 def flow_checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     """Every check of a case with [fluid], those of its field among them if it has one."""
-    return checks(case, grid, pairing) + field_rows(case, grid, pairing)
+    rows = checks(case, grid, pairing)
+    return [*rows, *gap_rows(case), *field_rows(case, grid, pairing)]
 
 
 def field_rows(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:

@@ -36,6 +36,7 @@ STYLE = {
     "grid.color": "#dddddd",
     "grid.linewidth": 0.6,
     "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
     "lines.linewidth": 1.5,
     "lines.markersize": 5,
     "legend.frameon": False,

@@ -6,8 +6,8 @@ Units are the case's own: whatever length, time and mass its numbers were given 
 from collections.abc import Mapping
 from typing import Any
 
-SYMBOLS = {"x": "x₁", "y": "x₂", "z": "x₃"}
-NUMBERS = {"x": "₁", "y": "₂", "z": "₃"}
+from smoothprofile.grid import AXIS_NAMES
+
 LOADS = {
     "force": ("F", "force (mass·length/time²)"),
     "torque": ("T", "torque (mass·length²/time²)"),
@@ -15,20 +15,20 @@ LOADS = {
 
 
 def load_label(owner: str, load: str, component: str) -> str:
-    """F₁, sphere."""
-    return f"{LOADS[load][0]}{NUMBERS[component]}, {literal(owner)}"
+    """Fx, sphere."""
+    return f"{LOADS[load][0]}{component}, {literal(owner)}"
 
 
 def line_label(line: Mapping[str, Any]) -> str:
-    """The name of a line, and where it lies: wake (x₁ = 2, x₃ = 0)."""
-    others = [axis for axis in SYMBOLS if axis != line["axis"]]
+    """The name of a line, and where it lies: wake (x = 2, z = 0)."""
+    others = [axis for axis in AXIS_NAMES if axis != line["axis"]]
     where = ", ".join(map(position, others, line["through"]))
     return f"{literal(line['name'])} ({where})"
 
 
 def position(axis: str, value: float) -> str:
-    """x₁ = −2, with a real minus sign."""
-    return f"{SYMBOLS[axis]} = {value:g}".replace("-", "−")
+    """x = −2, with a real minus sign."""
+    return f"{axis} = {value:g}".replace("-", "−")
 
 
 def reference_label(reference: Mapping[str, Any]) -> str:

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from smoothprofile.figures import DASHES, LEVEL, PALETTE, Picture, new_panels
-from smoothprofile.labels import NUMBERS, SYMBOLS, literal
+from smoothprofile.grid import AXIS_NAMES
+from smoothprofile.labels import literal
 from smoothprofile.motion_numbers import distance, first_axis, vectors
 
 Columns = Mapping[str, np.ndarray]
@@ -31,9 +32,9 @@ def motion_picture(
     if not bodies:
         return None
     figure, (speeds, places) = new_panels(2, HEIGHT, WIDTH)
-    sizes = {a: max(np.abs(c[f"velocity_{a}"]).max() for c in bodies.values()) for a in NUMBERS}
+    sizes = {a: max(np.abs(c[f"velocity_{a}"]).max() for c in bodies.values()) for a in AXIS_NAMES}
     main = max(sizes, key=sizes.get)
-    shown = [axis for axis in NUMBERS if sizes[axis] > SMALL * sizes[main]]
+    shown = [axis for axis in AXIS_NAMES if sizes[axis] > SMALL * sizes[main]]
     if len(bodies) > len(PALETTE):
         _draw_spread(speeds, places, list(bodies.values()), main)
     else:
@@ -53,9 +54,10 @@ def spin_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any])
         return None
     figure, (rates, axes) = new_panels(2, HEIGHT, WIDTH)
     sizes = {
-        a: max(np.abs(c[f"angular_velocity_{a}"]).max() for c in bodies.values()) for a in NUMBERS
+        a: max(np.abs(c[f"angular_velocity_{a}"]).max() for c in bodies.values())
+        for a in AXIS_NAMES
     }
-    shown = [axis for axis in NUMBERS if sizes[axis] > SMALL * max(sizes.values())]
+    shown = [axis for axis in AXIS_NAMES if sizes[axis] > SMALL * max(sizes.values())]
     for number, (name, columns) in enumerate(bodies.items()):
         for axis, dashes in zip(shown, DASHES, strict=False):
             rates.plot(
@@ -63,10 +65,10 @@ def spin_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any])
                 columns[f"angular_velocity_{axis}"],
                 dashes,
                 color=PALETTE[number],
-                label=f"Ω{NUMBERS[axis]}, {literal(name)}",
+                label=f"Ω{axis}, {literal(name)}",
             )
-        for axis, component, dashes in zip(NUMBERS, first_axis(columns), DASHES, strict=True):
-            label = f"n{NUMBERS[axis]}, {literal(name)}"
+        for axis, component, dashes in zip(AXIS_NAMES, first_axis(columns), DASHES, strict=True):
+            label = f"n{axis}, {literal(name)}"
             axes.plot(columns["time"], component, dashes, color=PALETTE[number], label=label)
     for axis, curve in reference.get("first_axis", {}).items():
         label = None if axis != next(iter(reference["first_axis"])) else _label(reference)
@@ -80,11 +82,11 @@ def spin_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any])
 
 
 def _travels(columns: Columns) -> bool:
-    return any(np.ptp(columns[f"position_{axis}"]) > 0 for axis in NUMBERS)
+    return any(np.ptp(columns[f"position_{axis}"]) > 0 for axis in AXIS_NAMES)
 
 
 def _turns(columns: Columns) -> bool:
-    return any(np.abs(columns[f"angular_velocity_{axis}"]).max() > 1e-9 for axis in NUMBERS)
+    return any(np.abs(columns[f"angular_velocity_{axis}"]).max() > 1e-9 for axis in AXIS_NAMES)
 
 
 def pair_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any]) -> Picture | None:
@@ -130,7 +132,7 @@ def drift_picture(particles: Mapping[str, Columns], reference: Mapping[str, Any]
                        label=literal(name))  # fmt: skip
         for number, level in enumerate(levels):
             panel.axhline(level, label=None if number else _label(reference), **LEVEL)
-        panel.set(title="Drift", xlabel="t (time)", ylabel=f"{SYMBOLS[axis]} (length)")
+        panel.set(title="Drift", xlabel="t (time)", ylabel=f"{axis} (length)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4)
     return Picture("drift", "Where bodies drift, across the flow.", figure, wide=True)
@@ -140,11 +142,11 @@ def _draw_each(speeds, places, bodies: Mapping[str, Columns], shown, main: str) 
     for number, (name, columns) in enumerate(bodies.items()):
         colour = PALETTE[number]
         for axis, dashes in zip(shown, DASHES, strict=False):
-            label = f"V{NUMBERS[axis]}, {literal(name)}"
+            label = f"V{axis}, {literal(name)}"
             values = columns[f"velocity_{axis}"]
             speeds.plot(columns["time"], values, dashes, label=label, color=colour)
         places.plot(columns["time"], columns[f"position_{main}"], color=colour)
-    places.set_ylabel(f"{SYMBOLS[main]} (length)")
+    places.set_ylabel(f"{main} (length)")
 
 
 def _draw_spread(speeds, places, bodies: list[Columns], main: str) -> None:
@@ -152,10 +154,10 @@ def _draw_spread(speeds, places, bodies: list[Columns], main: str) -> None:
     time, colour = bodies[0]["time"], PALETTE[0]
     values = np.stack([c[f"velocity_{main}"] for c in bodies])
     way = np.stack([c[f"position_{main}"] - c[f"position_{main}"][0] for c in bodies])
-    label = f"V{NUMBERS[main]}, mean of {len(bodies)} bodies"
+    label = f"V{main}, mean of {len(bodies)} bodies"
     _draw_band(speeds, time, values, colour, label, "± standard deviation")
     _draw_band(places, time, way, colour, None, None)
-    places.set_ylabel(f"{SYMBOLS[main]} from the start (length)")
+    places.set_ylabel(f"{main} from the start (length)")
 
 
 def _draw_band(panel, time, values: np.ndarray, colour: str, label, band) -> None:

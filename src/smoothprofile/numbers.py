@@ -15,6 +15,8 @@ import numpy as np
 from smoothprofile.config import AXES, Case, Particle, build_shape
 from smoothprofile.pairing import settling_speed
 
+CREEPING = 0.1
+"""Re below which a flow may be taken without inertia."""
 ESTIMATES = ("settling", "field")
 """Speeds that a run replaces by that of its fastest body."""
 SPEEDS = {
@@ -155,6 +157,14 @@ def reynolds(s: Scales) -> float | None:
     """Re = ρ γ̇ a²/μ in shear, else ρ U a/μ; None where nothing moves."""
     speed = s.rate * s.radius or s.speed
     return s.density * speed * s.radius / s.viscosity if speed else None
+
+
+def creeping_hint(case: Case) -> str:
+    """What to add to a complaint of Δt where inertia does not count; empty where it does."""
+    found = reynolds(scales_of(case))
+    if found is None or found >= CREEPING:
+        return ""
+    return f'; at Re = {found:.2g} fluid.flow = "stokes" needs no such step'
 
 
 def mason(s: Scales) -> float | None:

@@ -14,7 +14,8 @@ from matplotlib.ticker import MaxNLocator
 from scipy.interpolate import RegularGridInterpolator
 
 from smoothprofile.figures import Picture, new_figure
-from smoothprofile.labels import SYMBOLS, position
+from smoothprofile.grid import AXIS_NAMES
+from smoothprofile.labels import position
 from smoothprofile.runrecord import RunRecord
 
 PLANE_WIDTH = 9.0
@@ -44,7 +45,7 @@ def discs_cut(record: RunRecord) -> np.ndarray | None:
     bodies = record.case.get("particles", ())
     if "axis" not in record.plane or not bodies or any(b["shape"] != "sphere" for b in bodies):
         return None
-    names, domain = list(SYMBOLS), record.case["domain"]
+    names, domain = AXIS_NAMES, record.case["domain"]
     a, *across = (names.index(str(n)) for n in (record.plane["axis"], *record.plane["labels"]))
     low, lengths = np.array(domain.get("origin", [0.0] * 3)), np.array(domain["lengths"])
     periodic = np.array([kind == "periodic" for kind in domain["boundaries"]])
@@ -64,7 +65,7 @@ def _last_place(record: RunRecord, body: Mapping) -> list[float]:
     columns = record.particles.get(body["name"])
     if columns is None:
         return body["position"]
-    return [columns[f"position_{name}"][-1] for name in SYMBOLS]
+    return [columns[f"position_{name}"][-1] for name in AXIS_NAMES]
 
 
 def speed_picture(plane: Plane) -> Picture | None:
@@ -141,8 +142,8 @@ def _finish(figure: Figure, axes: Axes, plane: Plane, what: str, force: float = 
     where = position(str(plane["axis"]), float(plane["at"]))
     axes.set(
         title=f"{what} in the plane {where}",
-        xlabel=f"{SYMBOLS[first]} (length)",
-        ylabel=f"{SYMBOLS[second]} (length)",
+        xlabel=f"{first} (length)",
+        ylabel=f"{second} (length)",
         xlim=(x[0], x[-1]),
         ylim=(y[0], y[-1]),
     )

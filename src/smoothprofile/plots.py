@@ -10,10 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from smoothprofile.figures import DASHES, LEVEL, PALETTE, Picture, drawing, new_figure, power_of_ten
+from smoothprofile.grid import AXIS_NAMES
 from smoothprofile.labels import (
     LOADS,
-    NUMBERS,
-    SYMBOLS,
     line_label,
     load_label,
     reference_label,
@@ -60,7 +59,9 @@ def _travelling(record: RunRecord) -> dict[str, Mapping[str, np.ndarray]]:
     return {
         name: columns
         for name, columns in record.particles.items()
-        if any(_largest(columns.get(f"velocity_{axis}", np.empty(0))) > fluid for axis in NUMBERS)
+        if any(
+            _largest(columns.get(f"velocity_{axis}", np.empty(0))) > fluid for axis in AXIS_NAMES
+        )
     }
 
 
@@ -125,7 +126,7 @@ def profile_pictures(
             dashes = DASHES[number % len(DASHES)]
             axes.plot(*lines[line["name"]], dashes, color=colour, label=line_label(line))
             _draw_reference(axes, reference, reference.get("lines", {}).get(line["name"]), colour)
-        velocity, direction = f"u{NUMBERS[component]}", SYMBOLS[axis]
+        velocity, direction = f"u{component}", axis
         axes.set(
             title=f"Velocity {velocity} along {direction}",
             xlabel=f"{direction} (length)",
@@ -149,8 +150,8 @@ def wall_shear_picture(
     axes.plot(*shear, color=PALETTE[0], label="this run")
     _draw_reference(axes, reference, reference.get("wall_line"), PALETTE[0])
     normal = str(setting["wall"])[0]
-    gradient = f"∂u{NUMBERS[setting['component']]}/∂{SYMBOLS[normal]}"
-    along = SYMBOLS[setting["along"]]
+    gradient = f"∂u{setting['component']}/∂{normal}"
+    along = setting["along"]
     axes.set(
         title=f"Shear {gradient} on the wall {setting['wall']}",
         xlabel=f"{along} (length)",
@@ -189,14 +190,14 @@ def _last_size(particles: Mapping[str, Mapping[str, np.ndarray]], load: str) -> 
         axis: max(
             abs(np.nan_to_num(columns[f"{load}_{axis}"][-1])) for columns in particles.values()
         )
-        for axis in NUMBERS
+        for axis in AXIS_NAMES
     }
 
 
 def _components_shown(particles: Mapping[str, Mapping[str, np.ndarray]], load: str) -> list[str]:
     """The components that a reader would see, judged at the end of the run."""
     size = _last_size(particles, load)
-    return [axis for axis in NUMBERS if size[axis] >= 0.01 * max(size.values())]
+    return [axis for axis in AXIS_NAMES if size[axis] >= 0.01 * max(size.values())]
 
 
 def _draw_reference(

@@ -15,6 +15,7 @@ from smoothprofile import rotations
 from smoothprofile.config import Case, Particle, build_shape
 from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
+from smoothprofile.numbers import creeping_hint
 from smoothprofile.pairing import (
     Pairing,
     can_be_moved,
@@ -99,7 +100,7 @@ def _advective_limit(case: Case, pairing: Pairing) -> Check:
         verdict = "refuse"
         note = (
             f"time.step is {pairing.step:g}; with speeds up to ({speed}) {case.time.scheme} is "
-            f"stable only up to {pairing.limit:.4g}."
+            f"stable only up to {pairing.limit:.4g}{creeping_hint(case)}."
         )
     return check_row("time step", pairing.step, pairing.limit, verdict, note)
 
@@ -204,6 +205,7 @@ def _surfaces(case: Case, pairing: Pairing) -> list[Check]:
         if verdict == "warn":
             note += (
                 f"; its smallest radius or half side is only {half:.4g}: take a smaller time.step"
+                + creeping_hint(case)
             )
         rows.append(check_row(f"surface of {particle.name}", moved, xi, verdict, note))
     return rows
@@ -224,7 +226,7 @@ def _unmovable(case: Case, pairing: Pairing) -> list[Check]:
             f"fluid.density {case.fluid.density:g} and profile.thickness {xi:g}, √(νΔt)/ξ is "
             f"{pairing.ratio:.3g}, and must be from {low:.3g} to {high:.3g} for the surface of "
             f"{particle.name} to be moved: that is a step from {(low * xi) ** 2 / nu:.3g} to "
-            f"{(high * xi) ** 2 / nu:.3g}."
+            f"{(high * xi) ** 2 / nu:.3g}{creeping_hint(case)}."
         )
         return [check_row("√(νΔt)/ξ, range", pairing.ratio, high, "refuse", note)]
     return []

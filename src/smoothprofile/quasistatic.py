@@ -12,13 +12,13 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from smoothprofile.boundaries import fill_ghosts, velocity_boundary
+from smoothprofile.boundaries import fill_ghosts, pressure_boundary, velocity_boundary
 from smoothprofile.errors import BlowUpError
 from smoothprofile.flow.mean_flow import volume_mean
 from smoothprofile.flow.monitor import Extremes
 from smoothprofile.flow.state import FlowState
 from smoothprofile.flow.walls import Walls, pressure_forces, viscous_forces
-from smoothprofile.grid import interior
+from smoothprofile.grid import Grid, interior
 from smoothprofile.particles.creeping import CreepingBodies
 from smoothprofile.solvers.krylov import SolveReport
 from smoothprofile.viscous.stokes import RigidStokes
@@ -56,6 +56,7 @@ class QuasiStaticFlow:
         self.grid, self.stokes, self.drive, self.tolerance = stokes.grid, stokes, drive, tolerance
         kinds = drive.walls.kinds
         self.boundaries = tuple(velocity_boundary(self.grid, kinds, c) for c in range(3))
+        self._weight = _weight(self.grid, drive.body_force)
         self.extremes = Extremes()
         self.report: SolveReport | None = None
         self.pressure_gradient = np.zeros(3)
@@ -134,4 +135,17 @@ class QuasiStaticFlow:
             speed.append(float(np.abs(interior(field)).max()))
         self.extremes = Extremes(tuple(speed), tuple(change))
         state.pressure[...] = self.stokes.pressure
+        for line in self._weight:
+            state.pressure += line
+        fill_ghosts(state.pressure, pressure_boundary(self.grid))
         state.time = time
+
+
+def _weight(grid: Grid, force: tuple[float, float, float]) -> list[np.ndarray]:
+    """b·x, of zero mean, along each walled axis: there pressure alone bears a uniform force b."""
+    lines = []
+    for d, axis in enumerate(grid.axes):
+        if not axis.periodic and force[d]:
+            from_middle = axis.padded_centres - 0.5 * (axis.low + axis.high)
+            lines.append(force[d] * from_middle.reshape([-1 if k == d else 1 for k in range(3)]))
+    return lines

@@ -16,6 +16,7 @@ from smoothprofile.plots import pictures
 from smoothprofile.runrecord import RunRecord, read_run
 
 MOST_BODIES = 20
+DRAWN = "drawn.txt"
 BODY_QUANTITIES = (
     "position",
     "velocity",
@@ -37,12 +38,26 @@ def write_report(directory: Path | str, out: Path | None = None) -> Path:
     name = record.case.get("reference")
     reference = cases.reference(name) if name else {}
     drawn = pictures(record, reference)
-    (record.path / "figures").mkdir(exist_ok=True)
-    for picture in drawn:
-        (record.path / "figures" / f"{picture.name}.png").write_bytes(picture.png)
+    _write_figures(record.path / "figures", drawn)
     report = out or record.path / "report.html"
     report.write_text(page(record, drawn, reference), encoding="utf-8")
     return report
+
+
+def _write_figures(folder: Path, drawn: Sequence[Picture]) -> None:
+    """One PNG a figure; those that were drawn here before and are not any more go.
+
+    `drawn.txt` lists what is drawn here, so that no other picture is ever taken away.
+    """
+    folder.mkdir(exist_ok=True)
+    listed, names = folder / DRAWN, [f"{picture.name}.png" for picture in drawn]
+    before = listed.read_text(encoding="utf-8").split("\n") if listed.is_file() else []
+    for name in set(before) - set(names):
+        if Path(name).name == name and name.endswith(".png"):
+            (folder / name).unlink(missing_ok=True)
+    for name, picture in zip(names, drawn, strict=True):
+        (folder / name).write_bytes(picture.png)
+    listed.write_text("\n".join(names), encoding="utf-8")
 
 
 def page(record: RunRecord, drawn: Sequence[Picture], reference: Mapping[str, Any]) -> str:

@@ -2,6 +2,9 @@
 
     Δt ← Δt/2ᵐ,   the least m ≥ 1 for which it is at most the Δt that would have held, m ≤ 3
 
+Where the case cannot be run with that, as where no painted radius belongs to so short a step, m is
+the largest below it with which the case can.
+
 Schemes of several levels begin anew there, with their first steps. Free bodies keep their
 acceleration: the level before becomes V − g − (Δt'/Δt)(V − V⁻ − g), g what contact gave in the last
 step; and what a virtual mass C has taken late, C(V − V⁻), is still owed to them.
@@ -28,10 +31,18 @@ def smaller_step(step: float, held: float | None) -> float:
     return found
 
 
+def steps_to_try(step: float, held: float | None) -> list[float]:
+    """The step that `smaller_step` gives, then the longer halvings of `step`, up to its half."""
+    found = [smaller_step(step, held)]
+    while found[-1] < 0.5 * step:
+        found.append(2.0 * found[-1])
+    return found
+
+
 def change_step(run: Any, step: float, why: str) -> dict[str, Any]:
     """Go on from where a run is with another Δt; returns what it keeps in `retries`.
 
-    CaseError if the case cannot be run with it.
+    CaseError if the case cannot be run with it; the run is then as it was.
     """
     note = {
         "step": run.steps,
@@ -42,7 +53,12 @@ def change_step(run: Any, step: float, why: str) -> dict[str, Any]:
     }
     saved, ratio = run.saved(), step / run.time_step
     owed = _remembered(run)[0] if run.has_inertia else None
-    run.take_step(step)
+    try:
+        run.take_step(step)
+    except CaseError:
+        run.take_step(note["time_step_before"])
+        run.restore(saved)
+        raise
     run.restore({**saved, "time_step": step, "retries": [*saved["retries"], note]})
     if not run.has_inertia:
         return note
@@ -106,8 +122,7 @@ def gone_back(
         raise CaseError("what blew up has no checkpoint of its own to go back to.")
     run = simulation.under_way
     before = run.time_step
-    step = smaller_step(min(tried, before), held)
-    note = change_step(run, step, why)
+    note = _change_to_one_of(run, steps_to_try(min(tried, before), held), why)
     directory = RunDirectory.resumed(path, files, simulation, tell)
     if run is not simulation:
         note = {"preliminary_run": where + 1, **note}
@@ -116,8 +131,20 @@ def gone_back(
         directory.checkpoint(simulation, keep=False)
     except OutputError as error:
         tell(str(error))
-    tell(f"Trying again from {simulation.moment} with Δt = {step:.4g} instead of {before:.4g}.")
+    now = run.time_step
+    tell(f"Trying again from {simulation.moment} with Δt = {now:.4g} instead of {before:.4g}.")
     return directory
+
+
+def _change_to_one_of(run: Any, steps: list[float], why: str) -> dict[str, Any]:
+    """As `change_step` with the first step that the case can be run with."""
+    refused = None
+    for step in steps:
+        try:
+            return change_step(run, step, why)
+        except CaseError as error:
+            refused = refused or error
+    raise refused
 
 
 def _runs_before(tree: dict[str, Any]) -> int:
@@ -146,3 +173,21 @@ def can_be_retried(simulation: Any, ended: Any) -> bool:
     """Whether it is a blow-up that a smaller Δt may avoid, of a run that can take another."""
     known = isinstance(ended, BlowUpError) and ended.step is not None
     return known and hasattr(simulation, "take_step")
+
+
+def would_go_back(simulation: Any, path: Path, ended: Any) -> bool:
+    """Whether another retry of a run that is over could begin: there is a way back, and a step.
+
+    The run itself is given up for it: it is left at its beginning.
+    """
+    lost = simulation.case.start and not has_checkpoint(path)
+    if lost or not can_be_retried(simulation, ended):
+        return False
+    run = simulation.under_way
+    for step in steps_to_try(run.time_step, ended.step):
+        try:
+            run.take_step(step)
+            return True
+        except CaseError:
+            continue
+    return False

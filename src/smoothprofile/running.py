@@ -11,11 +11,18 @@ from smoothprofile.checkpoint import has_checkpoint, read_checkpoint
 from smoothprofile.config import load_case, seeds_of
 from smoothprofile.console import BLEW_UP, Watcher, leave, print_json, print_table, say
 from smoothprofile.errors import BlowUpError, CaseError, OutputError, StoppedError
+from smoothprofile.gap_checks import lattice_rows
 from smoothprofile.output import RunDirectory, next_free_directory
 from smoothprofile.provenance import LOCK, lock, unlock
 from smoothprofile.repeating import OTHER, check_repeatable, compared
 from smoothprofile.report import write_report
-from smoothprofile.retrying import can_be_retried, due_changes, gone_back, plan_of
+from smoothprofile.retrying import (
+    can_be_retried,
+    due_changes,
+    gone_back,
+    plan_of,
+    would_go_back,
+)
 from smoothprofile.runrecord import read_json
 from smoothprofile.runs import Run, run_of
 from smoothprofile.safefiles import reason
@@ -31,12 +38,13 @@ def start(case: str, settings: list[str], out: Path | None, json: bool, retry: i
     loaded, seeds = load_case(case, settings), seeds_of(case, settings)
     with Watcher(quiet=json) as watcher:
         simulation = run_of(loaded)
-        for row in simulation.preflight():
+        checks = simulation.preflight() + lattice_rows(case, settings)
+        for row in checks:
             if row["verdict"] == "warn":
                 say(_warning(**row))
         path = out or next_free_directory("runs", Path(case).stem)
         text = simulation.case.to_toml()
-        directory = RunDirectory(path, text, simulation.preflight(), say, seeds)
+        directory = RunDirectory(path, text, checks, say, seeds)
         ended = _to_its_end(simulation, directory, watcher, retry)
     _tell(simulation, path, ended, json)
 
@@ -49,7 +57,8 @@ def _warning(name: str, value: float, limit: float | None, note: str, verdict: s
 def start_or_go_on(case: str, settings: list[str], out: Path, json: bool, retry: int = 0) -> None:
     """Run a case in a directory, or what is left of it if the directory is there.
 
-    One in which a run was killed before it had written its case is begun anew.
+    One in which a run was killed before it had written its case is begun anew. Nothing is left of a
+    run that has ended, which is said and is no failure: a job may be queued again after its end.
     """
     if out.is_dir() and not {entry.name for entry in out.iterdir()} - UNBEGUN:
         held = lock(out)
@@ -57,7 +66,12 @@ def start_or_go_on(case: str, settings: list[str], out: Path, json: bool, retry:
             (out / name).unlink(missing_ok=True)
         unlock(out, held)
         out.rmdir()
-    if out.exists():
+    status = read_json(out / "run.json").get("status") if (out / "case.toml").is_file() else None
+    if status in ENDED:
+        if json:
+            print_json({**read_json(out / "summary.json"), "directory": str(out)})
+        say(f"{_has_ended(out, status)}; there is nothing left to do.")
+    elif out.exists():
         go_on(out, json, retry)
     else:
         start(case, settings, out, json, retry)
@@ -69,13 +83,17 @@ def go_on(path: Path, json: bool, retry: int = 0) -> None:
         raise CaseError(f"{path} is not a run directory: it holds no case.toml.")
     status = read_json(path / "run.json").get("status")
     if status in ENDED:
-        raise CaseError(f"the run in {path} has ended already: {status}.")
+        raise CaseError(f"{_has_ended(path, status)}.")
     with Watcher(quiet=json) as watcher:
         simulation, directory = taken_up(path, say)
         where = directory.checkpoint_at or "the start, for it left no checkpoint"
         say(f"Going on in {path} from {where}.")
         ended = _to_its_end(simulation, directory, watcher, retry)
     _tell(simulation, path, ended, json)
+
+
+def _has_ended(path: Path, status: str) -> str:
+    return f"the run in {path} has ended already: {status}"
 
 
 def repeat(path: Path, out: Path | None, json: bool) -> None:
@@ -135,6 +153,10 @@ def _to_its_end(simulation: Run, directory: RunDirectory, watcher: Watcher, retr
             say(f"It cannot be tried again: {error}")
             break
         ended = _run(simulation, directory, watcher, True)
+    else:
+        path = directory.path
+        if would_go_back(simulation, path, ended):
+            say(f"spm resume {path} --retry 1 goes back to its last checkpoint, with a smaller Δt.")
     return ended
 
 
@@ -200,8 +222,6 @@ def _goes_on(directory: RunDirectory) -> str:
 
 def _tell(simulation: Run, path: Path, ended: Any, json: bool) -> None:
     page = _report(path)
-    if can_be_retried(simulation, ended):
-        say(f"spm resume {path} --retry 1 goes back to its last checkpoint, with a smaller Δt.")
     if isinstance(ended, BaseException):
         leave(ended, json, path, page)
     if json:

@@ -78,9 +78,11 @@ def _of_solve(run: Any) -> list[Line]:
     report, wanted = run.flow.report, run.flow.tolerance
     note = f"{report.status}, {report.iterations} iterations in the last step"
     forces = [*run.bodies.state.force, run.wall_force["total"]]
-    driven = run.driving_force * run.grid.volume
-    # Along walled axes pressure on the walls drives and holds; what is left out of it is nothing.
-    lack = np.abs(np.sum(forces, axis=0) - np.where(run.grid.periodic, driven, 0.0)).sum()
+    # Walls bear a body force but for what acts beyond the last pressures, half a cell from them.
+    inside = [(a.centres[-1] - a.centres[0]) / a.length for a in run.grid.axes]
+    borne = np.array(run.case.fluid.body_force) * inside
+    driven = np.where(run.grid.periodic, run.driving_force, borne) * run.grid.volume
+    lack = np.abs(np.sum(forces, axis=0) - driven).sum()
     size = float(np.abs(forces).sum() + np.abs(driven).sum())
     balance = "of what drives and holds the fluid, over the sum of it; the last step"
     return [

@@ -11,8 +11,9 @@ import numpy as np
 from smoothprofile.config import Case, body_shape
 from smoothprofile.config.stokes import TOLERANCE, nothing_moves
 from smoothprofile.field_checks import field_rows
+from smoothprofile.gap_checks import gap_rows
 from smoothprofile.grid import Grid
-from smoothprofile.numbers import reynolds, scales_of
+from smoothprofile.numbers import CREEPING, reynolds, scales_of
 from smoothprofile.pairing import Pairing
 from smoothprofile.preflight import (
     FAR_MOVED,
@@ -31,7 +32,6 @@ from smoothprofile.stokes_assembly import smallest_size, step_bounds
 from smoothprofile.threads import thread_count
 from smoothprofile.viscous.around import CELLS_TO_XI
 
-LARGEST_REYNOLDS = 0.1
 FAR = 0.2
 """Of the smallest size that a body may move in a step for errors of a few parts in a thousand."""
 FEW_LAYERS = 1.5
@@ -52,7 +52,7 @@ def stokes_checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     """Every check of a case with flow = "stokes" but those of its surfaces."""
     found = [_reynolds(case), *_moved(case, grid, pairing), *turning_check(case, pairing)]
     if case.particles:
-        found += _layer(case, grid)
+        found += [*_layer(case, grid), *gap_rows(case)]
     found += field_rows(case, grid, pairing)
     disk = disk_check(case, grid, snapshots(case))
     return [*found, _memory(case, grid.cell_count), disk, _duration(case, grid, pairing)]
@@ -75,9 +75,9 @@ def surface_rows(case: Case, flow: QuasiStaticFlow) -> list[Check]:
 
 def _reynolds(case: Case) -> Check:
     found = reynolds(scales_of(case)) or 0.0
-    verdict = "ok" if found <= LARGEST_REYNOLDS else "warn"
+    verdict = "ok" if found <= CREEPING else "warn"
     note = "ρUa/μ as announced, which Stokes flow takes for nothing"
-    return check_row("Re", found, LARGEST_REYNOLDS, verdict, note)
+    return check_row("Re", found, CREEPING, verdict, note)
 
 
 def _moved(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:

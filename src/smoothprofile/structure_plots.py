@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 
 from smoothprofile.csvtables import number_columns, read_table
 from smoothprofile.figures import DASHES, LEVEL, PALETTE, Picture, legend_below, new_panels
-from smoothprofile.labels import SYMBOLS
+from smoothprofile.grid import AXIS_NAMES
 from smoothprofile.runrecord import RunRecord
 from smoothprofile.structure import TABLE, Beads, bonds, chain_of
 
@@ -191,7 +191,7 @@ def draw_beads(
     )  # fmt: skip
     axes.add_collection(discs)
     low, high = beads.low, beads.low + beads.lengths
-    names = list(SYMBOLS.values())
+    names = AXIS_NAMES
     axes.set(
         xlim=(low[across], high[across]), ylim=(low[up], high[up]), aspect="equal",
         xlabel=f"{names[across]} (length)", ylabel=f"{names[up]} (length)",
@@ -209,7 +209,7 @@ def field_axis(case: Mapping) -> int:
     """The axis nearest to the field of a case, z without one."""
     electric = case.get("electric", {})
     if "electrodes" in electric:
-        return list(SYMBOLS).index(electric["electrodes"]["axis"])
+        return AXIS_NAMES.index(electric["electrodes"]["axis"])
     given = np.abs(electric.get("field", [0.0, 0.0, 1.0]))
     return int(np.argmax(given if given.any() else np.abs(electric["quadrature"])))
 
@@ -230,7 +230,7 @@ def _starting(record: RunRecord) -> Beads:
 def _ending(record: RunRecord) -> Beads:
     balls = _balls(record)
     columns = [record.particles[name] for name in balls]
-    places = np.array([[c[f"position_{axis}"][-1] for axis in SYMBOLS] for c in columns])
+    places = np.array([[c[f"position_{axis}"][-1] for axis in AXIS_NAMES] for c in columns])
     return Beads(places, np.array([b["radius"] for b in balls.values()]), *box_of(record.case))
 
 

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from smoothprofile.views import FlowViews
 
 MOST_BODIES = 6
+FEW_BODIES = 3
+"""Up to so many stand before what is true of all together."""
 
 
 def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
@@ -34,16 +36,16 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
         note = f"best {pairing.best_ratio:.4f}; a flat wall {acts}"
         rows.append(("√(νΔt)/ξ", f"{pairing.ratio:.4f}", note))
     vector = _vector if run.case.units is None else _relative
-    rows += _of_bodies(run, summary, vector)
+    rest = _of_all(run, summary, vector)
     if run.flow.mean_flow.targets:
-        rows.append(("driving force", vector(run.driving_force), "per unit volume"))
-    rows += [
+        rest.append(("driving force", vector(run.driving_force), "per unit volume"))
+    rest += [
         *_numbers(number_rows(run.case, fastest(run))),
         ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
         ("rate of change", f"{summary['change_rate']:.2g}", "max|∂u/∂t|/max|u|"),
         ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
     ]
-    return rows
+    return _in_order(rows, _of_bodies(run, vector), rest, len(run.case.particles))
 
 
 def stokes_table(run: "StokesSimulation") -> list[tuple[str, str, str]]:
@@ -52,28 +54,42 @@ def stokes_table(run: "StokesSimulation") -> list[tuple[str, str, str]]:
     vector = _vector if run.case.units is None else _relative
     went = f"{run.steps} steps to t = {run.time:.6g}" if run.steps else "nothing moves"
     solved = f"residual {report.residual:.2g}, of the last flow"
-    return [
+    rows = [
         ("status", run.status, went),
         ("time step", f"{run.time_step:.6g}", "no limit of stability"),
         ("iterations", str(report.iterations), solved),
-        *_of_bodies(run, summary, vector),
+    ]
+    rest = [
+        *_of_all(run, summary, vector),
         ("driving force", vector(run.driving_force), "per unit volume"),
         *_numbers(number_rows(run.case, fastest(run))),
         ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
         ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
     ]
+    return _in_order(rows, _of_bodies(run, vector), rest, len(run.case.particles))
 
 
-def _of_bodies(run: "FlowViews", summary: dict, vector: Callable) -> list[tuple[str, str, str]]:
-    """What a run of a fluid says of its bodies, of their suspension, and of the walls."""
-    rows, bodies = _of_units(run.case) + _of_permittivity(run.case), run.particles
+def _in_order(head: list, bodies: list, rest: list, count: int) -> list[tuple[str, str, str]]:
+    """All rows: those of a few bodies before what is true of all together, those of many last."""
+    return [*head, *rest, *bodies] if count > FEW_BODIES else [*head, *bodies, *rest]
+
+
+def _of_bodies(run: "FlowViews", vector: Callable) -> list[tuple[str, str, str]]:
+    """What a run of a fluid says of its first bodies."""
+    bodies, each = run.particles, []
     for body, particle in zip(bodies[:MOST_BODIES], run.case.particles, strict=False):
-        rows += _of_body(body, particle.motion == "free", vector)
+        each += _of_body(body, particle.motion == "free", vector)
     if len(bodies) > MOST_BODIES:
-        mean = np.mean([body["velocity"] for body in bodies], axis=0)
-        rows.append(("mean velocity", vector(mean), f"of all {len(bodies)} bodies"))
-        left = len(bodies) - MOST_BODIES
-        rows.append(("other bodies", str(left), "see particles.csv"))
+        each.append(("other bodies", str(len(bodies) - MOST_BODIES), "see particles.csv"))
+    return each
+
+
+def _of_all(run: "FlowViews", summary: dict, vector: Callable) -> list[tuple[str, str, str]]:
+    """What a run of a fluid says of its suspension and of the walls, as a whole."""
+    rows, bodies = _of_units(run.case) + _of_permittivity(run.case), run.bodies.state
+    if len(bodies.velocity) > MOST_BODIES:
+        note = f"of all {len(bodies.velocity)} bodies"
+        rows.append(("mean velocity", vector(bodies.velocity.mean(axis=0)), note))
     if "apparent_viscosity" in summary:
         note = "stress on the walls over the rate of shear"
         rows.append(("apparent viscosity", f"{summary['apparent_viscosity']:.6g}", note))
@@ -102,14 +118,18 @@ def field_table(run: "Electrostatics") -> list[tuple[str, str, str]]:
         for name, row in zip("xyz", run.effective_permittivity, strict=True):
             note = "of the whole box" if name == "x" else ""
             rows.append((f"effective permittivity, {name}", _vector(row), note))
-    bodies = run.particles
+    if run.permittivity_along is not None:
+        note = "between the electrodes, mean displacement over mean field"
+        rows.append(("effective permittivity", f"{run.permittivity_along:.6g}", note))
+    bodies, each = run.particles, []
     for body in bodies[:MOST_BODIES]:
-        rows += _in_field(body)
+        each += _in_field(body)
     if len(bodies) > MOST_BODIES:
-        rows.append(("other bodies", str(len(bodies) - MOST_BODIES), "see particles.csv"))
+        each.append(("other bodies", str(len(bodies) - MOST_BODIES), "see particles.csv"))
     seconds = f"{summary['wall_seconds']:.3g} s"
-    rows += _numbers(number_rows(run.case))
-    return [*rows, ("wall-clock", seconds, _threads(summary["threads"]))]
+    rest = _numbers(number_rows(run.case))
+    rest.append(("wall-clock", seconds, _threads(summary["threads"])))
+    return _in_order(rows, each, rest, len(bodies))
 
 
 def _of_units(case: "Case") -> list[tuple[str, str, str]]:

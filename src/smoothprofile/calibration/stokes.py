@@ -15,7 +15,7 @@ its stresslet, and moves in any flow as Faxén says.
 
 Compliances are mostly below zero. They may take back no more than the layer gives of itself,
 ℓ²/(μ∫φ dV) for translation, or bodies could be pulled through each other the wrong way; where they
-would, m is what is allowed, and a* the radius with the right drag.
+would, m is what is allowed, and a* the radius with the right drag in the wide wall.
 """
 
 import math
@@ -24,6 +24,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from scipy.integrate import fixed_quad
 from scipy.optimize import brentq
 
 from smoothprofile.calibration.flow import THICKEST, THINNEST
@@ -99,12 +100,14 @@ def stokes_sphere(
     unit = _stokes_sphere(float(thickness / radius), float(layer / radius), profile)
     limit = stokes_shift(profile, thickness, layer)
     moved = stokes_shift(profile, thickness, layer, cell) - limit
-    cube = radius**3
+    painted, cube = radius * unit.radius + moved, radius**3
+    # What a coarse grid adds to a* takes from what its layer gives.
+    moving, deforming = layer_yield(painted, thickness, layer, profile)
     return StokesSphere(
-        radius * unit.radius + moved,
-        unit.translation / radius,
-        unit.rotation / cube,
-        unit.straining / cube,
+        painted,
+        max(unit.translation / radius, -SHARE * moving),
+        max(unit.rotation / cube, -SHARE * 0.5 * deforming),
+        max(unit.straining / cube, -SHARE * deforming),
     )
 
 
@@ -131,16 +134,40 @@ def _stokes_sphere(xi: float, ell: float, profile: str) -> StokesSphere:
 
     guess = 1.0 + _shift(profile, ell / xi, 0.0) * xi
     painted = _root(lambda a: lack(a, WIDEST) - lack(a, NARROW), guess, xi)
-    given = ell**2 / (4.0 / 3.0 * math.pi * painted**3)
-    translation = max(lack(painted, WIDEST), -SHARE * given)
-    painted = _root(lambda a: lack(a, WIDEST) - translation, guess, xi)
+
+    def spare(painted: float) -> float:
+        return lack(painted, WIDEST) + SHARE * layer_yield(painted, xi, ell, profile)[0]
+
+    if spare(painted) < 0.0:
+        painted = _root(spare, guess, xi)
+    translation = lack(painted, WIDEST)
+    deforming = layer_yield(painted, xi, ell, profile)[1]
     chi, edges = _problem(painted, xi, ell, profile, WIDEST)
     torque = radial.penalised_torque(3, chi, edges)
     stresslet = straining.penalised_stresslet(chi, _no_slope, edges)
-    turning = 5.0 / 2.0 * given / painted**2
+    turning = 0.5 * deforming
     rotation = max(1.0 / sharp.sphere_torque(1.0, WIDEST) - 1.0 / torque, -SHARE * turning)
-    strain = max(1.0 / sharp.sphere_stresslet(1.0, WIDEST) - 1.0 / stresslet, -SHARE * 2 * turning)
+    strain = max(1.0 / sharp.sphere_stresslet(1.0, WIDEST) - 1.0 / stresslet, -SHARE * deforming)
     return StokesSphere(painted, translation, rotation, strain)
+
+
+@lru_cache(maxsize=1024)
+def layer_yield(
+    painted: float, thickness: float, layer: float, profile: str
+) -> tuple[float, float]:
+    """ℓ²/∫φ dV and 3ℓ²/∫φr² dV: V/F and E/S that the layer alone gives a sphere, over 1/μ."""
+    shape = stokes_profile(profile)
+    inner = max(painted + thickness * max(shape.core, -FARTHEST), 0.0)
+    outer = painted + thickness * min(shape.edge, FARTHEST)
+    moments = []
+    for power in (2, 4):
+
+        def density(r: np.ndarray, power: int = power) -> np.ndarray:
+            return shape.value((r - painted) / thickness) * r**power
+
+        within = inner ** (power + 1) / (power + 1)
+        moments.append(4.0 * math.pi * (within + fixed_quad(density, inner, outer, n=64)[0]))
+    return layer**2 / moments[0], 3.0 * layer**2 / moments[1]
 
 
 def _drag(

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from smoothprofile.config import library
 from smoothprofile.config.case import Case
 from smoothprofile.config.refusals import Refusal, explain, shown
-from smoothprofile.config.sources import expanded
+from smoothprofile.config.sources import expanded, unfilled
 from smoothprofile.config.units import without_units
 from smoothprofile.errors import CaseError
 
@@ -27,6 +27,11 @@ LONG_KEY = re.compile(r"(?<![^\s.=,\[\]{}#])(?:[^\s.=,\[\]{}#]++[ \t]*+\.[ \t]*+
 # .3 and 3. are no TOML, and what people type on a command line.
 SIGNED_POINT = re.compile(r"[+-]?\.\d", re.ASCII)
 SHORT_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)([eE][+-]?\d+)?$", re.ASCII)
+# What the parser says of a table and a key that are given twice, and where a key stands in a line.
+QUOTED = r"'([^']*)'"
+TABLE_TWICE = re.compile(r"cannot declare \((.*)\) twice")
+INLINE_TWICE = re.compile(rf"duplicate inline table key {QUOTED}")
+KEY_OF_LINE = re.compile(r"\s*([A-Za-z0-9_.\"'-]{1,60})\s*=")
 WHERE = re.compile(r"^(.*) \(at (?:line (\d+), column (\d+)|end of document)\)$", re.DOTALL)
 
 
@@ -64,6 +69,16 @@ def seeds_of(source: Any, overrides: Overrides = ()) -> dict[str, int]:
         elif isinstance(entry.get("radius"), dict):
             found[f"particles.{k}.radius"] = 0
     return found
+
+
+def unfilled_lattices(
+    source: Any, overrides: Overrides = ()
+) -> list[tuple[str, int, float, float]]:
+    """Key, axis, extent and period of lattices that do not fill their box along periodic axes.
+
+    Of a case, given as for `load_case`, that can be loaded.
+    """
+    return unfilled(without_units(_overridden(source, overrides)))
 
 
 def _overridden(source: Any, overrides: Overrides) -> dict[str, Any]:
@@ -149,9 +164,22 @@ def parse(text: str, name: str) -> dict[str, Any]:
         if line is None:
             line, column = text.count("\n") + 1, len(text) - text.rfind("\n")
         reason = reason[:1].lower() + reason[1:]
+        reason = _given_twice(reason, text.split("\n")[: int(line)]) or reason
         if SIGNED_POINT.match(text.split("\n")[int(line) - 1], int(column) - 1):
             reason = "a number needs a digit before its point, as in 0.5"
         raise CaseError(f"{name} is not TOML at line {line}, column {column}: {reason}.") from None
+
+
+def _given_twice(reason: str, lines: list[str]) -> str | None:
+    """Which key or table a text gives twice, its last line the one that the parser stopped at."""
+    table = TABLE_TWICE.match(reason)
+    if table:
+        return f"the table [{'.'.join(re.findall(QUOTED, table[1]))}] is given twice"
+    inline = INLINE_TWICE.match(reason)
+    keys = filter(None, map(KEY_OF_LINE.match, reversed(lines)))
+    key = next(keys, None) if reason == "cannot overwrite a value" else None
+    name = inline[1] if inline else key and key[1]
+    return name and f"the key {name} is given twice"
 
 
 def _plain(value: Any, key: str = "", depth: int = 0) -> Any:

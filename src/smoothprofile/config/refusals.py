@@ -17,6 +17,9 @@ MISSING = object()
 """Stands for the value of a key that is not there."""
 
 LONGEST_VALUE = 70
+SAME_LETTERS = 4
+WRONG_TABLE = 0.9
+"""How like a key of another table a name must be to be taken for it, in the wrong place."""
 
 
 class Refusal(CaseError):
@@ -89,14 +92,21 @@ def _unknown_key(key: str, table: type[BaseModel], root: type[BaseModel]) -> str
     # What a terminal would not show as it is, or not on a line, is shown in quotes.
     plain = name and name.isprintable() and len(key) <= LONGEST_VALUE
     told = key if plain else shown(key)
-    known = nearest(name, list(table.model_fields))
+    known = nearest(name, list(table.model_fields)) or _same_start(name, table)
     if known:
         return f"{told} is not a known key; the nearest is {'.'.join((*parents, known))}."
     everywhere = dict(_all_keys(root))
-    elsewhere = nearest(name, list(everywhere), 0.8)
+    elsewhere = nearest(name, list(everywhere), WRONG_TABLE)
     if elsewhere:
         return f"{told} is not a known key; the nearest is {everywhere[elsewhere]}."
     return f"{told} is not a known key; known here are {', '.join(table.model_fields)}."
+
+
+def _same_start(name: str, table: type[BaseModel]) -> str | None:
+    """The key of a table that begins as `name` does, if one alone does."""
+    start = name[:SAME_LETTERS]
+    found = [key for key in table.model_fields if key.startswith(start)]
+    return found[0] if len(start) == SAME_LETTERS and len(found) == 1 else None
 
 
 def _all_keys(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, str]]:

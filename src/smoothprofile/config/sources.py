@@ -26,6 +26,8 @@ from smoothprofile.packing import BASES, lattice
 from smoothprofile.triangles import SurfaceError, digest_of
 
 MOST_BODIES = 100_000
+NINE_DIGITS = 1e-9
+"""Spacings are typed or computed: nine digits are enough to fill the domain."""
 KEY = re.compile(r"\bparticles\.(\d+)")
 
 
@@ -130,16 +132,10 @@ def _from_lattice(entry: dict, k: int, domain: Domain, _: Path) -> list[tuple[di
     radii = read_radii(entry, k)
     shared = _template(entry, k, domain, radii and radii.example)
     lengths = np.array(domain.lengths)
-    spacing = table.spacing and np.array(table.spacing)
-    if table.counts is not None:
-        counts = np.array(table.counts)
-        spacing = lengths / counts if spacing is None else spacing
-    else:
-        # Spacings are typed or computed: nine digits are enough to fill the domain.
-        counts = np.floor(lengths / spacing * (1.0 + 1e-9)).astype(int)
-        for axis in np.flatnonzero(counts < 1):
-            allowed = f"it must fit the domain, {lengths[axis]:g} long along {AXES[axis]}"
-            raise Refusal(f"particles.{k}.lattice.spacing", table.spacing, allowed)
+    counts, spacing = _unit_cells(table, lengths)
+    for axis in np.flatnonzero(counts < 1):
+        allowed = f"it must fit the domain, {lengths[axis]:g} long along {AXES[axis]}"
+        raise Refusal(f"particles.{k}.lattice.spacing", table.spacing, allowed)
     number = math.prod(int(count) for count in counts) * len(BASES[table.kind])
     if number > MOST_BODIES:
         allowed = f"these are {number} bodies, and a case has {MOST_BODIES} at most"
@@ -155,6 +151,35 @@ def _from_lattice(entry: dict, k: int, domain: Domain, _: Path) -> list[tuple[di
         (_at(shared, point, sizes, i), f"particles.{k} (point {i})")
         for i, point in enumerate(points)
     ]
+
+
+def _unit_cells(table: Lattice, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How many unit cells along each axis, and their sides."""
+    spacing = table.spacing and np.array(table.spacing)
+    if table.counts is None:
+        return np.floor(lengths / spacing * (1.0 + NINE_DIGITS)).astype(int), spacing
+    counts = np.array(table.counts)
+    return counts, lengths / counts if spacing is None else spacing
+
+
+def unfilled(data: dict[str, Any]) -> list[tuple[str, int, float, float]]:
+    """(key, axis, extent, period) where the unit cells of a lattice do not fill a periodic axis.
+
+    A lattice one cell thick by `counts` is a layer on purpose. `data` of a case without faults.
+    """
+    found = []
+    for k, entry in enumerate(data.get("particles", ())):
+        if "lattice" not in entry:
+            continue
+        domain = checked(Domain, data["domain"], "domain")
+        table = checked(Lattice, entry["lattice"], f"particles.{k}.lattice")
+        counts, spacing = _unit_cells(table, np.array(domain.lengths))
+        for axis in np.flatnonzero(domain.periodic):
+            block, length = float(counts[axis] * spacing[axis]), domain.lengths[axis]
+            layer = table.counts is not None and counts[axis] == 1
+            if not layer and abs(block - length) > NINE_DIGITS * length:
+                found.append((f"particles.{k}.lattice", int(axis), block, length))
+    return found
 
 
 def _at(shared: dict, point: np.ndarray, sizes: np.ndarray | None, i: int) -> dict:

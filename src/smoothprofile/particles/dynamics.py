@@ -165,12 +165,12 @@ class FreeMotion:
         """What the next step reads besides the bodies' state, for a checkpoint."""
         history = self.contact_history
         return {
-            "past_spin": self.past_spin,
-            "past_late": self.past_late,
-            "past_turning": self.past_turning,
+            "past_spin": list(self.past_spin),
+            "past_late": list(self.past_late),
+            "past_turning": list(self.past_turning),
             "velocity_gain": history.velocity_gain,
             "spin_gain": history.spin_gain,
-            "contact_impulses": self.contact_impulses,
+            "contact_impulses": list(self.contact_impulses),
             "wall_impulse": self.wall_impulse,
             "pulls": self.pulls,
         }

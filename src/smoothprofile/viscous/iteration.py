@@ -16,6 +16,8 @@ from smoothprofile.solvers.krylov import HOPELESS, PATIENCE, SolveReport
 
 CHUNK = 8192
 """Numbers that are summed in one go, whatever the number of threads."""
+VANISHING = 1e-100
+"""A reference whose residuals have no squares above the smallest number: all is at rest."""
 
 
 def constrained_conjugate_gradients(
@@ -32,11 +34,13 @@ def constrained_conjugate_gradients(
     """From a start whose projected residual P(b − Ax) the caller has put into `residual`.
 
     operator(p, q) stores q = Ap, precondition(r, z) stores z = M⁻¹r, project(r) does r ← Pr.
-    Stops at ‖r‖ ≤ tolerance·reference.
+    Stops at ‖r‖ ≤ tolerance·reference, and does not begin where reference ≤ `VANISHING`.
     """
     size = norm(residual)
-    if reference == 0.0 or size <= tolerance * reference:
-        return SolveReport(0, size / reference if reference else size, "converged")
+    if reference <= VANISHING:
+        return SolveReport(0, size, "converged")
+    if size <= tolerance * reference:
+        return SolveReport(0, size / reference, "converged")
     direction, image = np.zeros_like(solution), np.empty_like(solution)
     product, best, since, status = 0.0, size, 0, "iteration limit"
     iterations = 0
