@@ -14,7 +14,7 @@ from smoothprofile.cases import case_path, list_cases
 from smoothprofile.config import load_case
 from smoothprofile.errors import CaseError
 
-LONGEST = 2.0
+LONGEST = 15.0
 TEXTS = [case_path(entry.name).read_text(encoding="utf-8") for entry in list_cases()]
 NASTY = (
     "nan", "-inf", "0", "-1", "1e308", "-1e-308", "1e999", "9" * 400, "0x7fffffffffffffff", "true",
