@@ -9,6 +9,7 @@ from quasistatic_boxes import ball, box
 from smoothprofile.config import load_case
 from smoothprofile.numbers import numbers_of
 from smoothprofile.runs import run_of
+from smoothprofile.stokes_assembly import flow_speed
 from smoothprofile.stokes_simulation import StokesSimulation
 
 
@@ -26,10 +27,21 @@ from smoothprofile.stokes_simulation import StokesSimulation
         ({"fluid": {"flow": "creeping"}}, 'it must be "inertial" or "stokes"'),
         ({"fluid": {"flow": "inertial"}}, 'fluid.tolerance is 1e-07; only flow = "stokes" has one'),
         ({"fluid": {"mean_velocity": {"x": 0.0, "y": 0.0}}}, "fluid.mean_velocity.z is missing"),
+        ({"fluid": {"body_force": [0, 0.5, 0]}}, "along y the mean velocity is held, whatever"),
     ],
 )  # fmt: skip
 def test_what_has_no_meaning_without_inertia_is_refused(changes, sentence):
     assert sentence in refusal(box(ball([4, 4, 4]), **changes))
+
+
+def test_a_force_towards_walls_drives_nothing():
+    towards = {"mean_velocity": {}, "body_force": [0.0, 50.0, 0.0]}
+    walled = {"boundaries": ("periodic", "wall", "periodic")}
+    case = load_case(box(ball([4, 4, 4], "held"), fluid=towards, **walled))
+    assert flow_speed(case) == 0.0
+    assert numbers_of(case).get("Re") is None
+    along = {"mean_velocity": {}, "body_force": [50.0, 0.0, 0.0]}
+    assert flow_speed(load_case(box(ball([4, 4, 4], "held"), fluid=along, **walled))) > 1.0
 
 
 def test_bodies_and_starts_that_have_no_meaning_are_refused():

@@ -138,7 +138,9 @@ def _speed(case: Case, bounded: list[Particle], found: dict) -> tuple[float, str
         "bodies": [particle.velocity.maximum for particle in case.particles],
         "initial": [fluid.initial_velocity],
         "spin": [p.angular_velocity.maximum * found["radius"] for p in case.particles],
-        "body force": [np.array(fluid.body_force) * gap**2 / (8.0 * fluid.viscosity)],
+        "body force": [
+            np.where(case.domain.periodic, fluid.body_force, 0.0) * gap**2 / (8.0 * fluid.viscosity)
+        ],
         "settling": [settling_speed(case, particle) for particle in bounded],
         "field": [[pull * found["radius"] / fluid.viscosity if bounded else 0.0]],
     }

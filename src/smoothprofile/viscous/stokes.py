@@ -44,7 +44,7 @@ class StokesMotion:
 
     velocity, spin: V, Ω; force, torque: on the bodies by the fluid, −∫f dV and −∫r×f dV;
     first_moment (n,3,3): ∫r_i f_j dV. mean_velocity: U, pressure_gradient: G (3,) of the box.
-    wall_force (3,2,3): on the walls by the fluid, by axis, side and component.
+    wall_force (3,2,3): on the walls by the fluid, along them, by axis, side and component.
     """
 
     velocity: np.ndarray
