@@ -22,6 +22,7 @@ PATIENCE = 200
 """Iterations without a new smallest residual after which a solve counts as stagnated."""
 HOPELESS = 1e8
 """Growth of the residual over its smallest value that counts as divergence."""
+LIMIT: Status = "iteration limit"
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,22 @@ class SolveReport:
     @property
     def converged(self) -> bool:
         return self.status == "converged"
+
+
+class Progress:
+    """What the sizes of the residuals say, one iteration after the other."""
+
+    def __init__(self, size: float, goal: float):
+        self._best, self._since, self._goal = size, 0, goal
+
+    def verdict(self, size: float) -> str:
+        """ "converged", "diverged" or "stagnated"; empty while it may go on."""
+        if size <= self._goal:
+            return "converged"
+        if not size <= HOPELESS * self._best:
+            return "diverged"
+        self._best, self._since = (size, 0) if size < self._best else (self._best, self._since + 1)
+        return "stagnated" if self._since >= PATIENCE else ""
 
 
 def conjugate_gradients(
@@ -59,7 +76,7 @@ def conjugate_gradients(
     size = norm(residual)
     if reference == 0.0 or size <= tolerance * reference:
         return SolveReport(0, size / reference if reference else size, "converged")
-    product, best, since, status = 0.0, size, 0, "iteration limit"
+    progress, product, status = Progress(size, tolerance * reference), 0.0, ""
     iterations = 0
     while iterations < limit:
         precondition(residual, image)
@@ -72,17 +89,10 @@ def conjugate_gradients(
             status = "diverged"
             break
         size = math.sqrt(_advance(solution, residual, direction, image, product / curvature))
-        if size <= tolerance * reference:
-            status = "converged"
+        status = progress.verdict(size)
+        if status:
             break
-        if not size <= HOPELESS * best:
-            status = "diverged"
-            break
-        best, since = (size, 0) if size < best else (best, since + 1)
-        if since >= PATIENCE:
-            status = "stagnated"
-            break
-    return SolveReport(iterations, size / reference, status)
+    return SolveReport(iterations, size / reference, status or LIMIT)
 
 
 def norm(vector: Vector) -> float:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smoothprofile.solvers.krylov import HOPELESS, PATIENCE, SolveReport
+from smoothprofile.solvers.krylov import LIMIT, Progress, SolveReport
 
 _CROSS = np.zeros((3, 3, 3))
 for _i in range(3):
@@ -104,7 +104,8 @@ def conjugate_gradients(
     """
     z = precondition(residual)
     direction, product = z, _dot(residual, z)
-    best, since, iterations, status = np.sqrt(product), 0, 0, "iteration limit"
+    progress = Progress(float(np.sqrt(product)), tolerance * reference)
+    iterations, status = 0, ""
     if product <= (tolerance * reference) ** 2:
         status, limit = "converged", 0
     while iterations < limit:
@@ -120,19 +121,12 @@ def conjugate_gradients(
         z = precondition(residual)
         before, product = product, _dot(residual, z)
         size = np.sqrt(product)
-        if size <= tolerance * reference:
-            status = "converged"
-            break
-        if not size <= HOPELESS * best:
-            status = "diverged"
-            break
-        best, since = (size, 0) if size < best else (best, since + 1)
-        if since >= PATIENCE:
-            status = "stagnated"
+        status = progress.verdict(size)
+        if status:
             break
         direction = z + product / before * direction
     size = float(np.sqrt(product))
-    return SolveReport(iterations, size / float(reference) if reference else size, status)
+    return SolveReport(iterations, size / float(reference) if reference else size, status or LIMIT)
 
 
 def power(moments: np.ndarray, motion: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit, prange
 
-from smoothprofile.solvers.krylov import HOPELESS, PATIENCE, SolveReport
+from smoothprofile.solvers.krylov import LIMIT, Progress, SolveReport
 
 CHUNK = 8192
 """Numbers that are summed in one go, whatever the number of threads."""
@@ -42,7 +42,7 @@ def constrained_conjugate_gradients(
     if size <= tolerance * reference:
         return SolveReport(0, size / reference, "converged")
     direction, image = np.zeros_like(solution), np.empty_like(solution)
-    product, best, since, status = 0.0, size, 0, "iteration limit"
+    progress, product, status = Progress(size, tolerance * reference), 0.0, ""
     iterations = 0
     while iterations < limit:
         precondition(residual, image)
@@ -59,17 +59,10 @@ def constrained_conjugate_gradients(
         _advance(solution, residual, direction, image, product / curvature)
         project(residual)
         size = norm(residual)
-        if size <= tolerance * reference:
-            status = "converged"
+        status = progress.verdict(size)
+        if status:
             break
-        if not size <= HOPELESS * best:
-            status = "diverged"
-            break
-        best, since = (size, 0) if size < best else (best, since + 1)
-        if since >= PATIENCE:
-            status = "stagnated"
-            break
-    return SolveReport(iterations, size / reference, status)
+    return SolveReport(iterations, size / reference, status or LIMIT)
 
 
 def norm(vector: np.ndarray) -> float:
