@@ -20,6 +20,7 @@ import h5py
 import numpy as np
 
 from smoothprofile.errors import CaseError, OutputError
+from smoothprofile.heap import keep_large_blocks_apart
 from smoothprofile.safefiles import DiskFile, hdf5_on, reason, replacing
 
 FORMAT = 3
@@ -38,6 +39,7 @@ def write_checkpoint(
     keep = False: the newest is replaced, and the previous one stays.
     OutputError if it could not be written or was not read back as it was; the old ones then stand.
     """
+    keep_large_blocks_apart()
     arrays: list[np.ndarray] = []
     text = json.dumps(_packed(tree, arrays))
     newest = directory / NEWEST
