@@ -20,15 +20,15 @@ CELLS_TO_XI = {"quartic-centred": 2.5, "tanh": 1.3}
 PHASES = ("move", "paint", "settle", "settle_with", "added_mean", "impose")
 
 
-def build(kind: str, cells: int) -> Simulation:
+def build(kind: str, cells: int, count: int = COUNT, share: float = SHARE) -> Simulation:
     """Spheres of radius 1 that Stokes' drag lets fall at about 1; √(νΔt) = .45 or .86 ξ."""
-    side = (COUNT * 4 / 3 * math.pi / SHARE) ** (1 / 3)
+    side = (count * 4 / 3 * math.pi / share) ** (1 / 3)
     spheres = {
         "shape": "sphere",
         "radius": 1.0,
         "density": 2.5,
         "motion": "free",
-        "random": {"count": COUNT, "seed": 1},
+        "random": {"count": count, "seed": 1},
     }
     case = {
         "domain": {"lengths": [side] * 3, "cells": [cells] * 3, "boundaries": ["periodic"] * 3},

@@ -13,10 +13,9 @@ import time
 
 import numpy as np
 
-from smoothprofile.config import load_case
+from particles import build
 from smoothprofile.coupling import coupling_named
 from smoothprofile.shapes import sphere
-from smoothprofile.simulation import Simulation
 from smoothprofile.threads import available_threads, set_thread_count
 from smoothprofile.transforms import fourier_round_trip
 from smoothprofile.viscous.around import stokes_around
@@ -24,32 +23,6 @@ from smoothprofile.viscous.around import stokes_around
 SHARE, TOLERANCE = 0.2, 1e-4
 COUNTS = {1: 13, 27: 38, 1000: 128}
 """Cells along the cube, by the number of spheres."""
-
-
-def build(count: int, cells: int) -> Simulation:
-    """Free spheres of radius 1, for the places and the step of direct forcing."""
-    side = (count * 4 / 3 * math.pi / SHARE) ** (1 / 3)
-    spheres = {
-        "shape": "sphere",
-        "radius": 1.0,
-        "density": 2.5,
-        "motion": "free",
-        "random": {"count": count, "seed": 1},
-    }
-    case = {
-        "domain": {"lengths": [side] * 3, "cells": [cells] * 3, "boundaries": ["periodic"] * 3},
-        "fluid": {
-            "density": 1.0,
-            "viscosity": 1.0,
-            "gravity": [0.0, 0.0, -3.0],
-            "mean_velocity": {"x": 0.0, "y": 0.0, "z": 0.0},
-        },
-        "profile": {"kind": "quartic-centred", "thickness": 2.5 * side / cells},
-        "time": {"step": 0.07, "end": 1e6},
-        "output": {"every": 10**6},
-        "particles": [spheres],
-    }
-    return Simulation(load_case(case))
 
 
 def least(call, rounds: int) -> tuple[float, object]:
@@ -67,7 +40,7 @@ def main(threads: int = 0, rounds: int = 3) -> None:
     set_thread_count(threads or available_threads())
     rng = np.random.default_rng(0)
     for count, cells in COUNTS.items():
-        run = build(count, cells)
+        run = build("quartic-centred", cells, count, SHARE)
         state = run.bodies.state
         stokes = stokes_around(run.flow.grid, [sphere(1.0)] * count, 1.0)
         force, torque = rng.standard_normal((2, count, 3))

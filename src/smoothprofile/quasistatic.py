@@ -14,13 +14,13 @@ import numpy as np
 
 from smoothprofile.boundaries import fill_ghosts, pressure_boundary, velocity_boundary
 from smoothprofile.errors import BlowUpError
-from smoothprofile.flow.mean_flow import volume_mean
 from smoothprofile.flow.monitor import Extremes
 from smoothprofile.flow.state import FlowState
 from smoothprofile.flow.walls import Walls, pressure_forces, viscous_forces
 from smoothprofile.grid import Grid, interior
 from smoothprofile.particles.creeping import CreepingBodies
 from smoothprofile.solvers.krylov import SolveReport
+from smoothprofile.staggered import volume_mean
 from smoothprofile.viscous.stokes import RigidStokes
 
 

@@ -9,9 +9,9 @@ mean, so that it is exactly U after the step.
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit, prange
 
 from smoothprofile.grid import Grid
+from smoothprofile.staggered import volume_mean
 
 Mean = Callable[[np.ndarray, int, bool], float]
 _AT_REST = ((0.0, 0.0),) * 3
@@ -57,24 +57,3 @@ class MeanFlow:
     def plain_mean(self, field: np.ndarray, axis: int, is_velocity: bool = True) -> float:
         """Volume mean of a field that lies where velocity component `axis` does."""
         return volume_mean(self.grid, field, axis)
-
-
-def volume_mean(grid: Grid, field: np.ndarray, component: int) -> float:
-    """Mean over the box, by the volumes of the cells around each velocity point."""
-    sizes = [
-        axis.padded_distances if d == component else axis.padded_widths
-        for d, axis in enumerate(grid.axes)
-    ]
-    return float(_weighted_planes(field, *sizes).sum()) / grid.volume
-
-
-@njit(parallel=True, cache=True)
-def _weighted_planes(f, dx, dy, dz):
-    sums = np.zeros(f.shape[0])
-    for i in prange(1, f.shape[0] - 1):
-        for j in range(1, f.shape[1] - 1):
-            row = 0.0
-            for k in range(1, f.shape[2] - 1):
-                row += f[i, j, k] * dz[k]
-            sums[i] += row * dx[i] * dy[j]
-    return sums
