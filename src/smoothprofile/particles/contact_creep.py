@@ -29,7 +29,7 @@ from numba import njit
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import Forms
 from smoothprofile.particles.contact import Contact, ContactParameters
-from smoothprofile.particles.contact_hits import drag_apart, hold, push, stop
+from smoothprofile.particles.contact_hits import drag_apart, keep_within_walls, push, stop
 from smoothprofile.particles.contact_sweep import (
     Hits,
     MassTable,
@@ -112,12 +112,7 @@ def creep(
         for sweep in range(STOPS):
             for c in range(met):
                 stop(met - 1 - c if sweep % 2 == 0 else c, h, hits, masses, box, law, s, False)
-        for c in range(met):
-            if hits.pair[c, 1] < 0:
-                stop(c, h, hits, masses, box, law, s, False)
-        for c in range(met):
-            if hits.pair[c, 1] < 0:
-                hold(c, h, hits, masses, box, s)
+        keep_within_walls(met, h, hits, masses, box, law, s)
         drift(h, n, s)
     return count + 1, least
 

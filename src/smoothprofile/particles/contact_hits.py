@@ -175,6 +175,17 @@ def _give(masses, s, b, arm, along):
 
 
 @njit
+def keep_within_walls(met, dt, hits, masses, box, law, s):
+    """The last word of a sub-step: no surface passes through a wall within Δt."""
+    for c in range(met):
+        if hits.pair[c, 1] < 0:
+            stop(c, dt, hits, masses, box, law, s, False)
+    for c in range(met):
+        if hits.pair[c, 1] < 0:
+            hold(c, dt, hits, masses, box, s)
+
+
+@njit
 def kick(c, size, along, hits, masses, s):
     """The impulse on the first body, its opposite on the second, at the point of contact."""
     b, o = hits.pair[c, 0], hits.pair[c, 1]

@@ -19,8 +19,8 @@ from numba import njit
 from smoothprofile.distances import PLANE, SPHERE
 from smoothprofile.particles.contact_gap import feature_gap, part_gap
 from smoothprofile.particles.contact_hits import (
-    hold,
     inverse_mass,
+    keep_within_walls,
     lubricate,
     push,
     stop,
@@ -129,12 +129,7 @@ def sweep(first, count, dt, rows, start, built, slack, cutoff, parts, masses, bo
                 lubricate(c, h, hits, masses, box, law, s, a, b)
         for c in range(met):
             stop(c, h, hits, masses, box, law, s, True)
-        for c in range(met):
-            if hits.pair[c, 1] < 0:
-                stop(c, h, hits, masses, box, law, s, False)
-        for c in range(met):
-            if hits.pair[c, 1] < 0:
-                hold(c, h, hits, masses, box, s)
+        keep_within_walls(met, h, hits, masses, box, law, s)
         drift(h, n, s)
     return count + 1, least
 
