@@ -64,4 +64,4 @@ def test_the_units_of_the_numbers_are_told(units, told):
 )
 def test_a_warning_has_a_limit_beside_it_where_there_is_one(limit, told):
     row = {"name": "time step", "value": 0.4, "limit": limit, "verdict": "warn", "note": "a remark"}
-    assert _warning(**row) == told
+    assert _warning(row) == told

@@ -242,7 +242,7 @@ def build_contact(
     weight[free.rows] = np.linalg.norm(pull, axis=1)
     turning = np.zeros((count, 3, 3))
     turning[free.rows] = np.linalg.inv(free.density[:, None, None] * inertia)
-    cell = min(float(axis.widths.min()) for axis in grid.axes)
+    cell = min(grid.smallest_widths)
     reach = wanted.range or cell
     pressing, fastest = pressing_force(case, reach), field_speed(case, reach)
     weight[free.rows] = np.maximum(weight[free.rows], pressing[free.rows])

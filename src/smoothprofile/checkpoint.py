@@ -21,6 +21,7 @@ import numpy as np
 
 from smoothprofile.errors import CaseError, OutputError
 from smoothprofile.heap import keep_large_blocks_apart
+from smoothprofile.provenance import case_hash
 from smoothprofile.safefiles import DiskFile, hdf5_on, reason, replacing
 
 FORMAT = 3
@@ -47,7 +48,7 @@ def write_checkpoint(
         with hdf5_on(disk) as file:
             file.attrs["format"] = FORMAT
             file.attrs["smoothprofile"] = version("smoothprofile")
-            file.attrs["case"] = _digest_of_text(case_toml)
+            file.attrs["case"] = case_hash(case_toml)
             file.create_dataset("tree", data=np.frombuffer(text.encode(), dtype=np.uint8))
             for number, values in enumerate(arrays):
                 file.create_dataset(f"arrays/{number}", data=values)
@@ -125,7 +126,7 @@ def _read(path: Path, case_toml: str) -> tuple[dict[str, Any], str]:
         raise CaseError(f"{path} cannot be read: {reason(error)}.") from error
     except (LookupError, RuntimeError, TypeError, UnicodeError, json.JSONDecodeError) as error:
         raise CaseError(f"{path} is no checkpoint.") from error
-    if attributes.get("case") != _digest_of_text(case_toml):
+    if attributes.get("case") != case_hash(case_toml):
         raise CaseError(f"{path} belongs to another case than case.toml beside it.")
     return tree, str(attributes.get("smoothprofile"))
 
@@ -178,7 +179,3 @@ def _unpacked(value: Any, arrays: list[np.ndarray]) -> Any:
     if isinstance(value, list):
         return [_unpacked(inner, arrays) for inner in value]
     return value
-
-
-def _digest_of_text(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()

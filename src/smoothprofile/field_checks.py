@@ -109,7 +109,7 @@ def _closing(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     free = [b for b, particle in enumerate(case.particles) if particle.motion == "free"]
     if not free:
         return []
-    cell = min(float(axis.widths.min()) for axis in grid.axes)
+    cell = min(grid.smallest_widths)
     speed = field_speed(case, case.contact.range or cell)[free]
     size = np.array([case.particles[b].thinnest[1] for b in free])
     moved = float(np.max(pairing.step * speed / size))

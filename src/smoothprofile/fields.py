@@ -10,6 +10,7 @@ renamed; none is touched again. What a virtual dataset finds missing reads as Na
 """
 
 import os
+import re
 import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -23,6 +24,7 @@ from smoothprofile.fieldlayout import create_field, describe, write_coordinates
 from smoothprofile.grid import Grid
 from smoothprofile.safefiles import flush_directory, replacing_hdf5, writing
 
+PART = re.compile(r"(\d{6,})-(\d{6,})\.h5", re.ASCII)
 TOGETHER = 64
 """Snapshots that one file takes in the end: readers may hold no more than some hundred open."""
 
@@ -177,7 +179,8 @@ class FieldsFile:
             describe(file, self.grid, self.names)
 
     def _found_parts(self) -> list[Part]:
-        return [self._part(*map(int, p.stem.split("-"))) for p in self.folder.glob("*-*.h5")]
+        names = (PART.fullmatch(path.name) for path in self.folder.glob("*.h5"))
+        return [self._part(*map(int, name.groups())) for name in names if name]
 
     def _whole_parts(self, found: Sequence[Part], count: int) -> list[Part]:
         """The files of the first `count` snapshots; one that holds more is written anew."""

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from smoothprofile.boundaries import fill_ghosts, pressure_boundary, velocity_boundary
+from smoothprofile.boundaries import fill_ghosts, pressure_boundary
 from smoothprofile.errors import BlowUpError
 from smoothprofile.flow.monitor import Extremes
 from smoothprofile.flow.state import FlowState
@@ -54,8 +54,6 @@ class QuasiStaticFlow:
 
     def __init__(self, stokes: RigidStokes, drive: Drive, tolerance: float):
         self.grid, self.stokes, self.drive, self.tolerance = stokes.grid, stokes, drive, tolerance
-        kinds = drive.walls.kinds
-        self.boundaries = tuple(velocity_boundary(self.grid, kinds, c) for c in range(3))
         self._weight = _weight(self.grid, drive.body_force)
         self.extremes = Extremes()
         self.report: SolveReport | None = None
@@ -126,12 +124,11 @@ class QuasiStaticFlow:
             )
 
     def _show(self, state: FlowState, time: float) -> None:
-        """The flow with ghosts filled for walls that move, and its extremes."""
+        """The flow that was found, its ghosts with it, and its extremes."""
         speed, change = [], []
-        for c, (new, field) in enumerate(zip(self.stokes.velocity, state.velocity, strict=True)):
+        for new, field in zip(self.stokes.velocity, state.velocity, strict=True):
             change.append(float(np.abs(interior(new) - interior(field)).max()))
             field[...] = new
-            fill_ghosts(field, self.boundaries[c], self.drive.walls.values(c, time))
             speed.append(float(np.abs(interior(field)).max()))
         self.extremes = Extremes(tuple(speed), tuple(change))
         state.pressure[...] = self.stokes.pressure

@@ -150,7 +150,7 @@ def _change_to_one_of(run: Any, steps: list[float], why: str) -> dict[str, Any]:
 def _runs_before(tree: dict[str, Any]) -> int:
     """How many preliminary runs were over when a checkpoint was written."""
     saved = tree["simulation"]
-    return len(saved["stages"]["rows"] if "stages" in saved else saved["preliminary"])
+    return len(saved["stages"]["rows"] if "stages" in saved else saved.get("preliminary", ()))
 
 
 def due_changes(simulation: Any, running: Any, plan: list[dict[str, Any]]) -> None:

@@ -13,6 +13,7 @@ from smoothprofile.console import BLEW_UP, Watcher, leave, print_json, print_tab
 from smoothprofile.errors import BlowUpError, CaseError, OutputError, StoppedError
 from smoothprofile.gap_checks import lattice_rows
 from smoothprofile.output import RunDirectory, next_free_directory
+from smoothprofile.preflight import Check
 from smoothprofile.provenance import LOCK, lock, unlock
 from smoothprofile.repeating import OTHER, check_repeatable, compared
 from smoothprofile.report import write_report
@@ -41,7 +42,7 @@ def start(case: str, settings: list[str], out: Path | None, json: bool, retry: i
         checks = simulation.preflight() + lattice_rows(case, settings)
         for row in checks:
             if row["verdict"] == "warn":
-                say(_warning(**row))
+                say(_warning(row))
         path = out or next_free_directory("runs", Path(case).stem)
         text = simulation.case.to_toml()
         directory = RunDirectory(path, text, checks, say, seeds)
@@ -49,9 +50,9 @@ def start(case: str, settings: list[str], out: Path | None, json: bool, retry: i
     _tell(simulation, path, ended, json)
 
 
-def _warning(name: str, value: float, limit: float | None, note: str, verdict: str) -> str:
-    beside = "" if limit in (None, math.inf) else f", against {limit:.3g}"
-    return f"Note: {name} is {value:.3g}{beside}: {note}."
+def _warning(row: Check) -> str:
+    beside = "" if row["limit"] in (None, math.inf) else f", against {row['limit']:.3g}"
+    return f"Note: {row['name']} is {row['value']:.3g}{beside}: {row['note']}."
 
 
 def start_or_go_on(case: str, settings: list[str], out: Path, json: bool, retry: int = 0) -> None:

@@ -16,11 +16,10 @@ of an answer, not of round-off.
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from smoothprofile.budget import Budget
 from smoothprofile.config import is_stokes
-from smoothprofile.distances import SPHERE
+from smoothprofile.structure import beads_of
 
 Line = dict[str, Any]
 GREEN, AMBER, RED = "green", "amber", "red"
@@ -115,20 +114,11 @@ def _slip(run: Any) -> Line:
 
 def _overlap(run: Any) -> list[Line]:
     """Of the bodies that are single spheres, if there are two."""
-    forms = run.bodies.painter.forms
-    first, parts = forms.part_start[:-1], np.diff(forms.part_start)
-    balls = np.flatnonzero((parts == 1) & (forms.kind[first] == SPHERE))
-    if balls.size < 2:
+    beads = beads_of(run)
+    radius = beads.radius
+    if radius.size < 2:
         return []
-    radius = forms.size[first[balls], 0]
-    low = np.array([axis.low for axis in run.grid.axes])
-    periods = np.where(run.grid.periodic, run.grid.lengths, 0.0)
-    place = run.bodies.state.position[balls] - low
-    wrapped = np.where(periods > 0.0, place % np.where(periods > 0.0, periods, 1.0), place)
-    wrapped = np.where((periods > 0.0) & (wrapped >= periods), 0.0, wrapped)
-    pairs = cKDTree(wrapped, boxsize=periods).query_pairs(2.0 * radius.max(), output_type="ndarray")
-    apart = wrapped[pairs[:, 0]] - wrapped[pairs[:, 1]]
-    apart -= periods * np.round(apart / np.where(periods > 0.0, periods, 1.0))
+    pairs, apart = beads.pairs(2.0 * radius.max())
     touching = radius[pairs].sum(axis=1) - np.linalg.norm(apart, axis=1)
     share = float(np.max(touching / radius[pairs].min(axis=1), initial=0.0))
     return [_line("overlap of spheres", share, OVERLAPS, "deepest, over the smaller radius")]

@@ -6,8 +6,7 @@ simulation.run()
 simulation.particles[0]["force"]
 """
 
-import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -37,9 +36,7 @@ from smoothprofile.preflight import check_memory, refuse
 from smoothprofile.preliminary import PreliminaryRuns
 from smoothprofile.tables import result_table
 from smoothprofile.threads import ThreadTrial
-from smoothprofile.views import FlowViews
-
-Observer = Callable[["Simulation"], None]
+from smoothprofile.views import FlowViews, Observer
 
 
 class Simulation(FlowViews):
@@ -115,27 +112,18 @@ class Simulation(FlowViews):
         """Run the preliminary stages and then the case to its end; returns the summary."""
         if self.steps == 0 and self.case.start:
             self.continue_from(self._stages.run(observer))
-        while self.status == "running":
-            self.step_once()
-            if observer:
-                observer(self)
-        return self.summary()
+        return self.march(observer)
 
     def step_once(self) -> None:
         """One step, its watch, its row of history, and the decision whether to go on."""
-        self._threads.begin()
-        began = clock.perf_counter()
-        parts = self.flow, self.bodies, self.state, self.time_step
-        self.budget = take_with_budget(self, lambda: self._couple(*parts))
-        watch_flow(self)
-        self._watch_bodies(self.bodies.state.position, self.time, self.time_step)
-        self.status = self._decide()
-        if self.steps % self.case.output.every == 0 or self.status != "running":
-            self._record()
-        took = clock.perf_counter() - began
-        self.wall_seconds += took
-        self._first_seconds = self._first_seconds or took
-        self._threads.end(took)
+        with self.timed():
+            parts = self.flow, self.bodies, self.state, self.time_step
+            self.budget = take_with_budget(self, lambda: self._couple(*parts))
+            watch_flow(self)
+            self._watch_bodies(self.bodies.state.position, self.time, self.time_step)
+            self.status = self._decide()
+            if self.steps % self.case.output.every == 0 or self.status != "running":
+                self._record()
 
     def saved(self) -> dict[str, Any]:
         """Everything that a run goes on from between two steps, and what it has to tell."""

@@ -1,6 +1,6 @@
 """Sums and differences on the staggered grid that every solver of a flow takes.
 
-    (∇·u)_ijk = (u_{i+1} − u_i)/Δx + (v_{j+1} − v_j)/Δy + (w_{k+1} − w_k)/Δz,   ⟨u⟩ = ∫u dV/V
+(∇·u)_ijk = (u_{i+1} − u_i)/Δx + (v_{j+1} − v_j)/Δy + (w_{k+1} − w_k)/Δz,   ⟨u⟩ = ∫u dV/V
 """
 
 import numpy as np

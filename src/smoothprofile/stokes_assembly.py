@@ -93,7 +93,7 @@ def flow_speed(case: Case) -> float:
 
 def contact_range(case: Case, grid: Grid) -> float:
     """The gap below which bodies push each other: that of the case, or one cell."""
-    return case.contact.range or min(float(axis.widths.min()) for axis in grid.axes)
+    return case.contact.range or min(grid.smallest_widths)
 
 
 def build_quasistatic(case: Case, grid: Grid) -> QuasiStaticFlow:

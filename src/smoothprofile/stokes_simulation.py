@@ -6,8 +6,7 @@ run.run()
 run.particles[0]["force"]
 """
 
-import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +26,7 @@ from smoothprofile.stokes_assembly import build_creeping, build_quasistatic, sto
 from smoothprofile.stokes_checks import check_stokes_memory, stokes_checks, surface_rows
 from smoothprofile.tables import stokes_table
 from smoothprofile.threads import ThreadTrial
-from smoothprofile.views import FlowViews
-
-Observer = Callable[["StokesSimulation"], None]
+from smoothprofile.views import FlowViews, Observer
 
 
 class StokesSimulation(FlowViews):
@@ -89,29 +86,20 @@ class StokesSimulation(FlowViews):
 
     def run(self, observer: Observer | None = None) -> dict[str, Any]:
         """Solve for the flow at the start, and step to the end; returns the summary."""
-        while self.status == "running":
-            self.step_once()
-            if observer:
-                observer(self)
-        return self.summary()
+        return self.march(observer)
 
     def step_once(self) -> None:
         """The flow at the start if there is none yet, else one step; its watch, its row."""
-        self._threads.begin()
-        began = clock.perf_counter()
-        starting = self.flow.report is None
-        if starting:
-            set_out(self.flow, self.bodies, self.state)
-        else:
-            advance(self.flow, self.bodies, self.state, self.time_step)
-        self._watch_bodies(self.bodies.state.position, self.time, self.time_step)
-        self.status = "steady" if self._still else self._decide()
-        if starting or self.steps % self.case.output.every == 0 or self.status != "running":
-            self._record()
-        took = clock.perf_counter() - began
-        self.wall_seconds += took
-        self._first_seconds = self._first_seconds or took
-        self._threads.end(took)
+        with self.timed():
+            starting = self.flow.report is None
+            if starting:
+                set_out(self.flow, self.bodies, self.state)
+            else:
+                advance(self.flow, self.bodies, self.state, self.time_step)
+            self._watch_bodies(self.bodies.state.position, self.time, self.time_step)
+            self.status = "steady" if self._still else self._decide()
+            if starting or self.steps % self.case.output.every == 0 or self.status != "running":
+                self._record()
 
     def saved(self) -> dict[str, Any]:
         """Everything that a run goes on from between two steps, and what it has to tell."""

@@ -1,5 +1,8 @@
-"""What a run of a fluid shows of itself, whichever way it moves: fields, cuts, bodies, history."""
+"""What every run of a fluid has, whichever way it moves: its loop, fields, cuts, history."""
 
+import time as clock
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -15,6 +18,9 @@ from smoothprofile.particles.motion import Course
 from smoothprofile.preflight import Check
 from smoothprofile.rows import body_rows, history_row, totals
 from smoothprofile.threads import thread_count
+
+Observer = Callable[["FlowViews"], None]
+"""Called after each step."""
 
 
 class FlowViews:
@@ -52,6 +58,25 @@ class FlowViews:
         if self.steps < 2:
             return self.wall_seconds
         return (self.wall_seconds - self._first_seconds) / (self.steps - 1)
+
+    def march(self, observer: Observer | None) -> dict[str, Any]:
+        """Step to the end, and tell the observer of each; returns the summary."""
+        while self.status == "running":
+            self.step_once()
+            if observer:
+                observer(self)
+        return self.summary()
+
+    @contextmanager
+    def timed(self) -> Iterator[None]:
+        """A step, whose time counts, and tells how many threads are the fastest."""
+        self._threads.begin()
+        began = clock.perf_counter()
+        yield
+        took = clock.perf_counter() - began
+        self.wall_seconds += took
+        self._first_seconds = self._first_seconds or took
+        self._threads.end(took)
 
     @property
     def velocity(self) -> np.ndarray:

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from smoothprofile.config.domain import Domain
 from smoothprofile.config.overlap import Placed
 from smoothprofile.config.particle import Particle, build_shape
+from smoothprofile.structure import Beads
 
 MOST_PAIRS = 2000
 """Of other shapes than spheres, that are looked at one by one."""
@@ -53,19 +54,16 @@ def _of_spheres(bodies: list[Placed], domain: Domain, below: float) -> list[tupl
     spheres = [body for body in bodies if body.particle.shape == "sphere"]
     if len(spheres) < 2:
         return []
-    periods = np.where(domain.periodic, domain.lengths, 0.0)
-    steps = np.where(periods > 0.0, periods, 1.0)
     radii = np.array([body.particle.radius for body in spheres])
-    places = np.array([body.position for body in spheres]) - domain.origin
-    places = np.where(periods > 0.0, places % steps, places)
-    # A remainder of a tiny negative number is the period itself.
-    places = np.where((periods > 0.0) & (places >= periods), 0.0, places)
+    centres, box = np.array([body.position for body in spheres]), (domain.origin, domain.lengths)
+    beads = Beads(centres, radii, *map(np.array, box), np.array(domain.periodic))
+    places, periods = beads.wrapped, beads.period
     near = cKDTree(places, boxsize=periods).query_ball_point(places, 2.0 * radii + below)
     found = []
     for i, others in enumerate(near):
         others = np.array([j for j in others if (radii[j], j) < (radii[i], i)], dtype=int)
         apart = places[others] - places[i]
-        apart -= np.where(periods > 0.0, periods, 0.0) * np.round(apart / steps)
+        apart -= periods * np.round(apart / beads.lengths)
         gaps = np.linalg.norm(apart, axis=1) - radii[others] - radii[i]
         if gaps.size:
             j = int(gaps.argmin())

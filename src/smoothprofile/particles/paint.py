@@ -48,7 +48,7 @@ class Painter:
     def sharpened(self) -> "Painter":
         """One that paints the surfaces where they truly are, as thin as the cells allow."""
         forms = replace(self.forms, offset=np.zeros_like(self.forms.offset))
-        cell = min(float(axis.widths.min()) for axis in self.grid.axes)
+        cell = min(self.grid.smallest_widths)
         thickness = min(self.thickness, THINNEST * cell)
         return Painter(self.grid, self._boundaries, forms, profile_named("tanh"), thickness)
 

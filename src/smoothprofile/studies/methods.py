@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from smoothprofile import studies
+from smoothprofile.studies.dns import DUCT
 from smoothprofile.studies.methods_figures import METHODS, PROBLEMS, pictures
 from smoothprofile.studies.methods_runs import (
     Solve,
@@ -29,8 +30,8 @@ EXACT = {
     "array_1": 3.64245,
     "array_216": 7.44195,
     "spin": 1.030945,
-    "creeping": 30.1815,
-    "inertia": 164.138,
+    "creeping": DUCT["creeping"],
+    "inertia": DUCT["force"],
 }
 """Multipole series (Zick and Homsy, J. Fluid Mech. 115, 1982), body-fitted elements of order 5."""
 REACH = {"forcing": 0.03, "stokes": 0.01, "viscosity": 0.03, "coupling": 0.02, "elements": 2e-3}

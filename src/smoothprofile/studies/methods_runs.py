@@ -18,6 +18,7 @@ from smoothprofile.particles.bodies import BodyState, bodies_at
 from smoothprofile.schemes import scheme_named
 from smoothprofile.shapes import sphere
 from smoothprofile.simulation import Simulation
+from smoothprofile.studies.refinement_runs import cored, uniform
 from smoothprofile.viscous.around import stokes_around
 from smoothprofile.viscous.force_coupling import ForceCoupling
 from smoothprofile.viscous.smoothed_viscosity import SmoothedStokes
@@ -32,7 +33,6 @@ LAYER = 1.3
 """ξ in cells, of direct forcing in the duct, tanh."""
 CUBE_LAYER, CUBE_RATIO = 3.0, 0.3
 """ξ in cells and √(νΔt)/ξ, of direct forcing in arrays, the centred quartic: no tails in gaps."""
-CORE, RATIOS = 1.3, (24.0, 1.6, 1.6)
 STIFF = 1000.0
 TOLERANCE = 1e-4
 """Of every iteration."""
@@ -122,7 +122,6 @@ def forced_duct(per_radius: float, advection: bool, refined: bool) -> Solve:
         changes = duct_mesh(per_radius, refined) | {
             "fluid.advection": advection,
             "profile.thickness": LAYER / per_radius,
-            "start": [],
             "time.end": 20.0,
             "time.steady_tolerance": STEADY,
         }
@@ -136,12 +135,9 @@ def forced_duct(per_radius: float, advection: bool, refined: bool) -> Solve:
 
 def duct_mesh(per_radius: float, refined: bool) -> dict[str, object]:
     """Equal cells, so many to a radius, or as narrow as that in a core around the sphere."""
-    if not refined:
-        across = round(ACROSS * per_radius)
-        return {"domain.cells": [round(ALONG * per_radius), across, across]}
-    laws = [{"focus": 0.0, "ratio": ratio, "core": CORE} for ratio in RATIOS]
-    along, across = round(5.6 * per_radius), round(6.0 * per_radius)
-    return {"domain.cells": [along, across, across], "domain.stretching": laws}
+    if refined:
+        return cored(round(5.6 * per_radius), round(6.0 * per_radius)).changes()
+    return uniform(round(ALONG * per_radius), round(ACROSS * per_radius)).changes()
 
 
 def stokes_array(fraction: float, per_radius: float, turns: bool = False) -> Solve:
@@ -177,7 +173,7 @@ def stokes_duct(per_radius: float, refined: bool) -> Solve:
 
 def duct_grid(per_radius: float, refined: bool) -> Grid:
     """The mesh of `duct_mesh`."""
-    return build_grid(load_case("duct", {"start": []} | duct_mesh(per_radius, refined)).domain)
+    return build_grid(load_case("duct", duct_mesh(per_radius, refined)).domain)
 
 
 def viscous_array(fraction: float, per_radius: float, turns: bool = False) -> Solve:

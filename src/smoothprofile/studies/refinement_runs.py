@@ -11,8 +11,9 @@ from smoothprofile import calibration
 from smoothprofile.assembly import build_grid
 from smoothprofile.config import load_case
 from smoothprofile.simulation import Simulation
+from smoothprofile.studies.dns import DUCT
 
-FORCE = 164.138
+FORCE = DUCT["force"]
 """On the sphere at Re = 10, by body-fitted finite elements."""
 RATIOS = (24.0, 1.6, 1.6)
 """Widest over narrowest cell along and across the duct."""

@@ -46,14 +46,14 @@ def run() -> Study:
         title="Smoothed viscosity: spheres that are stiff, not rigid",
         source="Option 2 of the thesis (3.6–3.7), in three dimensions",
         introduction=INTRODUCTION,
-        findings=_findings(curves, solved),
-        rows=[*_drags(curves, solved), *_viscosities(solved), *_slopes(), *_orders(curves)],
+        findings=_findings(curves),
+        rows=[*_drags(solved), *_viscosities(solved), *_slopes(), *_orders(curves)],
         curves=curves,
         pictures=pictures(curves),
     )
 
 
-def _drags(curves: dict, solved: dict[tuple, Solved]) -> list[Row]:
+def _drags(solved: dict[tuple, Solved]) -> list[Row]:
     rows = []
     for smoothing in SMOOTHINGS:
         for kind in ("retracted", "painted"):
@@ -134,7 +134,7 @@ def _orders(curves: dict) -> list[Row]:
     return rows
 
 
-def _findings(curves: dict, solved: dict[tuple, Solved]) -> tuple[str, ...]:
+def _findings(curves: dict) -> tuple[str, ...]:
     lattice, dilute, contrast = curves["lattice"], curves["dilute"], curves["contrast"]
     errors = {s: 100.0 * lattice[f"{s}_retracted"][-1] for s in SMOOTHINGS}
     painted = {s: 100.0 * lattice[f"{s}_painted"][-1] for s in SMOOTHINGS}

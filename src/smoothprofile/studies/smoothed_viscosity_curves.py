@@ -19,8 +19,8 @@ from smoothprofile.viscous.smoothed_viscosity_radius import (
     error_of,
     painted_radius,
 )
+from smoothprofile.viscous.tensor_viscosity import SMOOTHINGS
 
-SMOOTHINGS = ("arithmetic", "harmonic", "tensor")
 FRACTION, EXACT = 0.064, 2.81020
 """A simple cubic lattice of rigid spheres, F/(6πμaU): Zick and Homsy, J. Fluid Mech. 115 (1982)."""
 STIFF = 1000.0
@@ -116,7 +116,7 @@ def all_curves() -> tuple[dict[str, dict[str, np.ndarray]], dict[tuple, Solved]]
     solved: dict[tuple, Solved] = {}
     curves = {
         "lattice": _lattice(solved),
-        "contrast": _contrast(solved),
+        "contrast": _contrast(),
         "dilute": _dilute(solved),
     }
     for ratio in LONE_RATIOS:
@@ -140,14 +140,13 @@ def _lattice(solved: dict[tuple, Solved]) -> dict[str, np.ndarray]:
     return columns | {"constrained": np.array(values) / EXACT - 1.0}
 
 
-def _contrast(solved: dict[tuple, Solved]) -> dict[str, np.ndarray]:
+def _contrast() -> dict[str, np.ndarray]:
     """Iterations of the lattice's drag against R, ξ = .14a, and the drag itself."""
     columns: dict[str, np.ndarray] = {"ratio": np.array(RATIOS)}
     for smoothing in SMOOTHINGS:
         found = [lattice_drag(ratio, 0.14, LAYERS[0.14], smoothing, "drag") for ratio in RATIOS]
         columns[f"{smoothing}_drag"] = np.array([one.value for one in found])
         columns[f"{smoothing}_iterations"] = np.array([one.iterations for one in found])
-        solved |= {("contrast", smoothing, r): one for r, one in zip(RATIOS, found, strict=True)}
     return columns
 
 

@@ -24,10 +24,6 @@ from smoothprofile.theory.dielectric import permittivities
 
 Function = Callable[[np.ndarray], np.ndarray]
 
-# Exponents of A ~ r^s: the two that are regular at the centre, and the two that decay.
-REGULAR = {1: (0, 2), 2: (1, 3)}
-DECAYING = {1: (-1, -3), 2: (-2, -4)}
-
 
 def sharp_mobility(ratio: float) -> float:
     """U/F = (1 + R)/(2π(2 + 3R)) of a sharp ball, a = 1; 1/6π when rigid.
@@ -138,13 +134,13 @@ def mobility(ratio: float, indicator: Function, smoothing: str, edges: np.ndarra
     first = edges[:1]
     force = float(share(first)[0]) / density
     left = np.zeros((3, 6))
-    left[:2, :4] = _amplitudes(1, float(normal(first)[0]), float(tangential(first)[0]), DECAYING)
+    left[:2, :4] = _amplitudes(1, float(normal(first)[0]), float(tangential(first)[0]), False)
     # Inside, the force is borne by a pressure, N = −fr.
     left[:2, 5] = left[:2, 3] * force * first**2
     # The mean of u along F over a ball is A on its surface.
     left[2, 0], left[2, 4] = -4.0 * math.pi / 3.0 * first[0] ** 3 * force, 1.0
     right = np.zeros((3, 6))
-    right[:2, :4] = _amplitudes(1, 1.0, 1.0, REGULAR)
+    right[:2, :4] = _amplitudes(1, 1.0, 1.0, True)
     right[2, 5] = 1.0
     return float(solve_linear(matrix, edges, left, right, np.array([0.0, 0.0, 1.0]))[-1, 4])
 
@@ -160,8 +156,8 @@ def stresslet(ratio: float, indicator: Function, smoothing: str, edges: np.ndarr
         return _harmonic(2, normal(r), tangential(r)) / r[:, None, None]
 
     first, last = edges[:1], float(edges[-1])
-    left = _amplitudes(2, float(normal(first)[0]), float(tangential(first)[0]), DECAYING)
-    right = _amplitudes(2, 1.0, 1.0, REGULAR)
+    left = _amplitudes(2, float(normal(first)[0]), float(tangential(first)[0]), False)
+    right = _amplitudes(2, 1.0, 1.0, True)
     # The linear flow A = r, B = r/2 with its stresses, rS = r and rN = 2r.
     values = right @ np.array([1.0, 0.5, 1.0, 2.0]) * last
     y = solve_linear(matrix, edges, left, right, values)[-1]
@@ -184,14 +180,15 @@ def _harmonic(l: int, normal, tangential) -> np.ndarray:
     return rows
 
 
-def _amplitudes(l: int, normal: float, tangential: float, exponents: dict) -> np.ndarray:
-    """(2,4): rows that vanish on all solutions r^s but those two of a uniform ball.
+def _amplitudes(l: int, normal: float, tangential: float, growing: bool) -> np.ndarray:
+    """(2,4): rows that give the amplitudes of the two solutions r^s that grow, or of those that decay.
 
-    Between μ_n and μ_t that differ the exponents are others, two above and two below −1/2.
+    A ~ r^s in a uniform fluid: s = l ± 1 are regular at the centre, −l and −l − 2 decay. Where μ_n
+    and μ_t differ the exponents are others, two above and two below −1/2.
     """
     found, vectors = np.linalg.eig(_harmonic(l, normal, tangential)[0].T)
     order = np.argsort(found.real)
-    chosen = order[2:] if exponents is REGULAR else order[:2]
+    chosen = order[2:] if growing else order[:2]
     rows = vectors[:, chosen].real.T
     return rows / np.abs(rows).max(axis=1)[:, None]
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from smoothprofile.boundaries import velocity_boundary
 from smoothprofile.calibration.stokes import (
     LAYER_RATIO,
     stokes_profile,
@@ -21,7 +22,7 @@ from smoothprofile.particles.bodies import Forms
 from smoothprofile.particles.paint import Painter
 from smoothprofile.parts import Part
 from smoothprofile.shapes import Shape
-from smoothprofile.viscous.direct import DirectStokes
+from smoothprofile.viscous.direct import SLIP
 from smoothprofile.viscous.stokes import RigidStokes
 
 CELLS_TO_XI = {"tanh": 0.6, "quartic": 2.5, "quartic-centred": 2.5, "sine": 2.5}
@@ -55,7 +56,7 @@ def stokes_around(
     offsets = [_offsets(shape, arguments, retract) for shape in shapes]
     compliance = np.array([_compliance(shape, arguments, retract) for shape in shapes])
     forms = Forms.of(shapes, offsets)
-    boundaries = DirectStokes(grid, viscosity).boundaries
+    boundaries = tuple(velocity_boundary(grid, SLIP, component) for component in range(3))
     painter = Painter(grid, boundaries, forms, painting, thickness)
     return RigidStokes(grid, painter, viscosity, layer, compliance.reshape(-1, 3), walls)
 

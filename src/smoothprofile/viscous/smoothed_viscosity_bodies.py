@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from smoothprofile.boundaries import fill_ghosts
 from smoothprofile.particles.bodies import BodyState
 from smoothprofile.solvers.krylov import SolveReport
 from smoothprofile.viscous.smoothed_viscosity import SmoothedStokes, Vector
@@ -53,8 +52,6 @@ def mobility(
     weights = np.linalg.solve(gram, loads[:, :, None])[:, :, 0]
     _spread(*_arguments(medium, state), weights, density)
     report = solver.solve(medium, density, None, tolerance, limit)
-    for component in solver.velocity:
-        fill_ghosts(component, medium.boundary)
     means = _sums(medium, state, solver.velocity, GATHER)[:, 0]
     motion = np.linalg.solve(gram, means[:, :, None])[:, :, 0]
     return Motion(motion[:, :3], motion[:, 3:], report)

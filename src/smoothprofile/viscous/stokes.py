@@ -168,11 +168,12 @@ class RigidStokes:
 
     def _apply(self, g: np.ndarray, out: np.ndarray) -> np.ndarray:
         """out = K g; returns the mean force ⟨f⟩ (3,). Leaves 𝒮f in the work fields."""
-        mean = self._flow_of(g, 0.0, HELD_MEAN)
-        bodies, walls = self._parts(g), self._parts(out)
-        self.bodies.gather(self._work, bodies[0], walls[0])
-        self.bodies.comply(bodies[0], walls[0])
-        self.walls.gather(self._work, bodies[1], walls[1])
+        self._clear()
+        mean = self._add_flow_of(g, self._work)
+        (bodies, walls), (out_bodies, out_walls) = self._parts(g), self._parts(out)
+        self.bodies.gather(self._work, bodies, out_bodies)
+        self.bodies.comply(bodies, out_bodies)
+        self.walls.gather(self._work, walls, out_walls)
         return mean
 
     def _precondition(self, r: np.ndarray, out: np.ndarray) -> None:
@@ -191,12 +192,12 @@ class RigidStokes:
         for field in self._work:
             field[...] = 0.0
 
-    def _flow_of(self, g: np.ndarray, resistance: float, mean: tuple | None) -> np.ndarray:
-        self._clear()
+    def _add_flow_of(self, g: np.ndarray, fields: Vector) -> np.ndarray:
+        """From a force density in `fields` to its flow and that of g there; the mean force (3,)."""
         bodies, walls = self._parts(g)
-        self.bodies.spread(bodies, self._work)
-        self.walls.spread(walls, self._work)
-        return self.direct.solve(self._work, self._work, self.pressure, mean, resistance)
+        self.bodies.spread(bodies, fields)
+        self.walls.spread(walls, fields)
+        return self.direct.solve(fields, fields, self.pressure)
 
     def _guess(self, balance: Balance) -> np.ndarray | None:
         """g = √χ(u_b − u) with the flow and the motion found last."""
@@ -214,7 +215,9 @@ class RigidStokes:
         self._last = velocity, spin, moments
         self.velocity, self._work = self._work, self.velocity
         if body_force is not None:
-            pressure_gradient = self._flow_with(body_force, g)
+            for field, given in zip(self.velocity, body_force, strict=True):
+                field[...] = given
+            pressure_gradient = self._add_flow_of(g, self.velocity)
         for c, (u, mean) in enumerate(zip(self.velocity, mean_velocity, strict=True)):
             u += mean
             boundary = velocity_boundary(self.grid, self.walls.kinds, c)
@@ -232,15 +235,6 @@ class RigidStokes:
             wall_force=-self.walls.forces(walls),
             report=report,
         )
-
-    def _flow_with(self, body_force: Vector, g: np.ndarray) -> np.ndarray:
-        """The flow and the pressure of g and a body force, and their mean force ⟨f⟩."""
-        for field, given in zip(self.velocity, body_force, strict=True):
-            field[...] = given
-        bodies, walls = self._parts(g)
-        self.bodies.spread(bodies, self.velocity)
-        self.walls.spread(walls, self.velocity)
-        return self.direct.solve(self.velocity, self.velocity, self.pressure)
 
 
 def _rows(state: BodyState, linear, angular) -> np.ndarray:

@@ -204,7 +204,7 @@ def _paint(
                     phi = level(code, d / xi, half_width)
                     _mix(cells, at, phi, value[b], mode)
                     if mode == TENSOR:
-                        slope = _slopes(b, xc, yc, zc, rotation, parts, layer)
+                        slope = _slopes(b, xc, yc, zc, d / xi, rotation, parts, layer)
                         _lay(mixture, at, phi, slope, value[b])
 
 
@@ -217,19 +217,18 @@ def _mix(field, at, phi, value, mode):
 
 
 @njit
-def _slopes(b, x, y, z, rotation, parts, layer):
-    """∇φ up to the round-off of differences; 0 where φ is 0 or 1."""
+def _slopes(b, x, y, z, s, rotation, parts, layer):
+    """∇φ up to the round-off of differences; 0 where φ is 0 or 1. s: the distance there, in ξ."""
     code, xi, half_width = layer
+    if abs(s) > half_width:
+        return 0.0, 0.0, 0.0
     h = STEP * xi
     gx = distance(b, x + h, y, z, rotation, parts) - distance(b, x - h, y, z, rotation, parts)
     gy = distance(b, x, y + h, z, rotation, parts) - distance(b, x, y - h, z, rotation, parts)
     gz = distance(b, x, y, z + h, rotation, parts) - distance(b, x, y, z - h, rotation, parts)
-    s = distance(b, x, y, z, rotation, parts) / xi
     # Within the layer only the direction counts where one body stands alone; where two meet, the
     # steeper one prevails.
     steep = (level(code, s + STEP, half_width) - level(code, s - STEP, half_width)) / (2.0 * h)
-    if abs(s) > half_width:
-        steep = 0.0
     scale = 0.5 * steep / h
     return scale * gx, scale * gy, scale * gz
 
