@@ -29,7 +29,11 @@ def stresslets(
     gained: ∫r_i f_j dV (n,3,3) of the impulse; needed: ∫r_i a_j dV, see `displaced_moments`;
     rate: γ/Δt; density: ρ of the fluid.
     """
-    moments = density * (needed - rate * gained)
+    return straining(density * (needed - rate * gained))
+
+
+def straining(moments: np.ndarray) -> np.ndarray:
+    """dev sym M = ½(M + Mᵀ) − ⅓ tr M of each (n,3,3)."""
     symmetric = 0.5 * (moments + np.swapaxes(moments, 1, 2))
     trace = np.trace(symmetric, axis1=1, axis2=2)
     return symmetric - trace[:, None, None] / 3.0 * np.eye(3)

@@ -181,10 +181,10 @@ def _harmonic(l: int, normal, tangential) -> np.ndarray:
 
 
 def _amplitudes(l: int, normal: float, tangential: float, growing: bool) -> np.ndarray:
-    """(2,4): rows that give the amplitudes of the two solutions r^s that grow, or of those that decay.
+    """(2,4): rows that give the amplitudes of both solutions r^s that grow, or that decay.
 
-    A ~ r^s in a uniform fluid: s = l ± 1 are regular at the centre, −l and −l − 2 decay. Where μ_n
-    and μ_t differ the exponents are others, two above and two below −1/2.
+    In a uniform fluid A ~ r^s: s = l ± 1 are regular at the centre, −l and −l − 2 decay. Where
+    μ_n and μ_t differ the exponents are others, two above and two below −1/2.
     """
     found, vectors = np.linalg.eig(_harmonic(l, normal, tangential)[0].T)
     order = np.argsort(found.real)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from smoothprofile.particles.stress import straining
 from smoothprofile.solvers.krylov import LIMIT, Progress, SolveReport
 
 _CROSS = np.zeros((3, 3, 3))
@@ -82,9 +83,7 @@ def spin(motion: np.ndarray) -> np.ndarray:
 
 def strain(motion: np.ndarray) -> np.ndarray:
     """The symmetric part of G without its trace (n,3,3)."""
-    slope = motion[:, :, 1:]
-    symmetric = 0.5 * (slope + np.swapaxes(slope, 1, 2))
-    return symmetric - np.trace(symmetric, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
+    return straining(motion[:, :, 1:])
 
 
 def conjugate_gradients(

@@ -16,6 +16,7 @@ from smoothprofile.particles.bodies import BodyState
 from smoothprofile.particles.loads import Impulse, vectors
 from smoothprofile.particles.paint import Painter
 from smoothprofile.particles.painting import by_body
+from smoothprofile.particles.stress import straining
 from smoothprofile.particles.windows import plane_of
 
 SINGULAR = 1e-12
@@ -95,10 +96,8 @@ class BodyLayers:
         if self.compliance is None:
             return np.zeros((self.count, 3)), np.zeros((self.count, 3, 3))
         velocity, turn, strain = (self.cell * self.compliance).T[..., None]
-        first = moments[:, :, 1:]
-        even = 0.5 * (first + np.swapaxes(first, 1, 2))
-        even -= np.trace(even, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
-        slope = strain[..., None] * even + rigid_slope(turn * vectors(moments)[:, 3:])
+        slope = strain[..., None] * straining(moments[:, :, 1:])
+        slope += rigid_slope(turn * vectors(moments)[:, 3:])
         return np.ascontiguousarray(velocity * moments[:, :, 0]), slope
 
 
