@@ -86,6 +86,19 @@ def test_the_energy_of_vortices_closes_with_the_order_of_the_scheme(scheme):
     assert slope > (0.8 if scheme == "backward-euler" else 1.8), slope
 
 
+def test_walls_bear_a_body_force_that_ends_in_them():
+    """In stretched cells: the walls of a fluid at rest take all of fV."""
+    run = simulation(
+        boundaries=["periodic", "wall", "periodic"],
+        stretching=["uniform", {"focus": 1.0, "ratio": 2.0}, "uniform"],
+        body_force=[0.0, 0.5, 0.0],
+    )
+    found = budget_of(steps(run, 5))
+    # The halves of the cells at the walls are 3 % of the box.
+    assert run.wall_force["total"][1] == pytest.approx(0.5 * run.grid.volume, rel=1e-12)
+    assert found.momentum < 1e-12
+
+
 def test_a_sphere_held_between_sliding_walls_closes_both_budgets():
     """At the steady state: walls work, the sphere rests, viscosity and its layer take it all."""
     run = settle(

@@ -131,6 +131,12 @@ def test_bad_values_are_refused_by_key_value_and_what_is_allowed(override, key, 
     assert allowed in text
 
 
+def test_a_body_force_beside_a_held_mean_velocity_is_refused():
+    text = refusal(small_case(), ["fluid.body_force=[1, 0, 0]", "fluid.mean_velocity.x=1"])
+    assert text.startswith("fluid.body_force is [1")
+    assert "along x the mean velocity is held, whatever drives it" in text
+
+
 @pytest.mark.parametrize(
     ("changes", "key", "value", "allowed"),
     [

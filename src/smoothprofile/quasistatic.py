@@ -85,7 +85,7 @@ class QuasiStaticFlow:
         """Force of the fluid on each wall (3,)."""
         walls, mu = self.drive.walls, self.stokes.viscosity
         sheared = viscous_forces(self.grid, walls, state.velocity, mu, state.time)
-        pressed = pressure_forces(self.grid, state.pressure, 1.0)
+        pressed = pressure_forces(self.grid, state.pressure, 1.0, self.drive.body_force)
         return {name: force + pressed[name] for name, force in sheared.items()}
 
     def mean_velocity(self, state: FlowState) -> list[float]:

@@ -77,10 +77,8 @@ def _of_solve(run: Any) -> list[Line]:
     report, wanted = run.flow.report, run.flow.tolerance
     note = f"{report.status}, {report.iterations} iterations in the last step"
     forces = [*run.bodies.state.force, run.wall_force["total"]]
-    # Walls bear a body force but for what acts beyond the last pressures, half a cell from them.
-    inside = [(a.centres[-1] - a.centres[0]) / a.length for a in run.grid.axes]
-    borne = np.array(run.case.fluid.body_force) * inside
-    driven = np.where(run.grid.periodic, run.driving_force, borne) * run.grid.volume
+    body_force = np.array(run.case.fluid.body_force)
+    driven = np.where(run.grid.periodic, run.driving_force, body_force) * run.grid.volume
     lack = np.abs(np.sum(forces, axis=0) - driven).sum()
     size = float(np.abs(forces).sum() + np.abs(driven).sum())
     balance = "of what drives and holds the fluid, over the sum of it; the last step"

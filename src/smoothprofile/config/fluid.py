@@ -93,6 +93,9 @@ class Fluid(Table):
             if not domain.periodic[axis]:
                 allowed = f"it can be held only along a periodic axis, and {AXES[axis]} has walls"
                 raise Refusal(f"fluid.mean_velocity.{AXES[axis]}", value, allowed)
+            if self.body_force[axis]:
+                allowed = f"along {AXES[axis]} the mean velocity is held, whatever drives it"
+                raise Refusal("fluid.body_force", list(self.body_force), allowed)
         for axis, value in enumerate(self.initial_velocity):
             if value and not domain.periodic[axis]:
                 allowed = f"its {AXES[axis]} component must be 0, for {AXES[axis]} has walls"

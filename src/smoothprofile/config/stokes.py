@@ -51,10 +51,6 @@ def check_stokes(case: "Case") -> None:
     tolerance, (low, high) = case.fluid.tolerance, TOLERANCES
     if tolerance is not None and not low <= tolerance <= high:
         raise Refusal("fluid.tolerance", tolerance, f"it must be from {low:g} to {high:g}")
-    for d in case.fluid.mean_velocity.given():
-        if case.fluid.body_force[d]:
-            allowed = f"along {AXES[d]} the mean velocity is held, whatever drives it"
-            raise Refusal("fluid.body_force", list(case.fluid.body_force), allowed)
     if case.domain.precision != "double":
         raise Refusal("domain.precision", case.domain.precision, 'Stokes flow needs "double"')
     if case.start:

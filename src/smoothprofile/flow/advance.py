@@ -139,8 +139,8 @@ class Flow:
 
     def wall_force(self, state: FlowState) -> dict[str, np.ndarray]:
         """Force on each wall over the last step: its shear and the pressure now."""
-        density = self.parameters.density
-        pressures = pressure_forces(self.grid, state.pressure, density)
+        density, drive = self.parameters.density, self.parameters.body_force
+        pressures = pressure_forces(self.grid, state.pressure, density, drive)
         return {name: self._wall_viscous.get(name, 0.0) + f for name, f in pressures.items()}
 
     def saved(self) -> dict:

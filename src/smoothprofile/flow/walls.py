@@ -2,9 +2,13 @@
 
 no-slip: u = U(t);   free slip: u·n = 0, ∂u_t/∂n = 0
 F_t = μ ∫ ∂u_t/∂n dA,   F_n = −∫ p n dA            n out of the fluid
+p n = p₁ n − ½Δx f
+
+where p₁ is the pressure in the cells at the wall and f, per volume, drives the fluid: the half
+cell between has no momentum of its own, and hands to the wall what drives it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -78,14 +82,20 @@ def viscous_forces(
     return forces
 
 
-def pressure_forces(grid: Grid, pressure: np.ndarray, density: float) -> dict[str, np.ndarray]:
-    """Normal force of the fluid on each wall, (3,) each, from the kinematic pressure."""
+def pressure_forces(
+    grid: Grid, pressure: np.ndarray, density: float, drive: Sequence[float]
+) -> dict[str, np.ndarray]:
+    """Normal force of the fluid on each wall, (3,) each, from the kinematic pressure.
+
+    drive: f of the whole fluid, per volume.
+    """
     forces = {}
     for axis, side in _walled_sides(grid):
         force = np.zeros(3)
         outward = 1.0 if side == 1 else -1.0
-        layer = _layer(grid, pressure, axis, side)
-        force[axis] = outward * density * (layer * _areas(grid, axis, axis)).sum()
+        half = 0.5 * grid.axes[axis].widths[-side] * drive[axis]
+        at_wall = outward * density * _layer(grid, pressure, axis, side) + half
+        force[axis] = (at_wall * _areas(grid, axis, axis)).sum()
         forces[wall_name(axis, side)] = force
     return forces
 
