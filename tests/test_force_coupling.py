@@ -248,6 +248,15 @@ def test_the_mean_force_is_held_by_the_pressure():
     assert method.stokes.largest_divergence(method.velocity, method.pressure) < 1e-13
 
 
+def test_what_nothing_drives_is_at_rest_whatever_was_before():
+    method, place = three_spheres()
+    method.solve(place, [1.0, 0.0, 0.0])
+    found = method.solve(place)
+    assert found.report.converged
+    # Exact: nothing is spread.
+    assert not found.velocity.any() and not found.stresslet.any()
+
+
 def test_too_few_iterations_are_said():
     method, place = three_spheres()
     method.limit = 1

@@ -246,6 +246,26 @@ def test_sphere_in_a_duct_with_moving_walls(depth):
     assert stokes.direct.largest_divergence(stokes.velocity, grid.zeros()) < 1e-12
 
 
+def test_one_cell_between_walls_is_held_by_both():
+    # −∇²u of one cell of width h is 4u/h²: u = Gh²/4μ, to round-off.
+    grid = box([4.0, 4.0, 0.5], [8, 8, 1], (True, True, False))
+    stokes, nobody = stokes_around(grid, [], 2.0), at(np.zeros((0, 3)))
+    options = {"mean_velocity": (None, 0.0, 0.0), "pressure_gradient": (-3.0, 0.0, 0.0)}
+    stokes.solve(nobody, np.zeros(0, bool), **options)
+    inner = stokes.velocity[0][1:-1, 1:-1, 1:-1]
+    assert inner == pytest.approx(np.full_like(inner, 3.0 * 0.25 / 8.0), rel=1e-12)
+
+
+def test_the_unit_of_length_does_not_matter():
+    # A sphere of a micrometre in metres; 2⁻²⁰ scales every number without rounding it.
+    found = []
+    for unit in (1.0, 2.0**-20):
+        stokes = stokes_around(box([4.0 * unit] * 3, [24] * 3), [sphere(unit)], 1.0)
+        moved = stokes.mobility(at([[2.0 * unit] * 3]), [[1.0, 0.0, 0.0]], 0.0)
+        found.append(moved.velocity[0, 0] * unit)
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+
+
 def test_a_warm_start_goes_on_from_the_flow_before():
     rng = np.random.default_rng(2)
     stokes = stokes_around(box([6.0] * 3, [30] * 3), [sphere(1.0)] * 2, 1.0)

@@ -123,7 +123,7 @@ class ForceCoupledFlow:
         self._read_motion()
 
     def step(self, dt: float) -> SolveReport:
-        """Advance spheres and fluid by dt; how the solve for the loads ended."""
+        """Advance spheres and fluid by dt, always the same; how the solve for the loads ended."""
         flow, state, motion = self.flow, self.state, self.motion
         self._move(dt)
         self.envelopes.place(motion.position)

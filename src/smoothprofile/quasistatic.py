@@ -96,7 +96,7 @@ class QuasiStaticFlow:
         """max |∇·u|."""
         return self.stokes.direct.largest_divergence(state.velocity, self.grid.zeros())
 
-    def saved(self, state: FlowState) -> dict:
+    def saved(self) -> dict:
         """What a warm start needs besides the state, and what is told of the last solve."""
         return {
             "last": self.stokes.last,

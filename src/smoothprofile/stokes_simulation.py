@@ -105,7 +105,7 @@ class StokesSimulation(FlowViews):
         """Everything that a run goes on from between two steps, and what it has to tell."""
         return {
             "flow_state": self.state.saved(),
-            "flow": self.flow.saved(self.state),
+            "flow": self.flow.saved(),
             "bodies": self.bodies.saved(),
             "action": self.action.saved(),
             "status": self.status,

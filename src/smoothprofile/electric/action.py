@@ -86,7 +86,8 @@ class ElectricAction:
     def history(self) -> dict[str, Any]:
         """Numbers of the last solve for a run's history."""
         if self.report is None:
-            return {"potential_iterations": 0, "electric_energy": 0.0, "permittivity_along": 1.0}
+            none = {"potential_iterations": 0, "electric_energy": 0.0, "permittivity_along": 1.0}
+            return none | {"electric_lag": 0.0}
         e = np.array(self.field.drive.field)
         square = float(e @ e)
         along = float(self.field.mean_displacement() @ e) / square if square > 0.0 else float("nan")

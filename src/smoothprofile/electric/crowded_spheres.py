@@ -93,7 +93,7 @@ def crowded_face(c, at, field, volume, value, law, found, near, n, total):
         rate = (below - 1.0 / inside) * uncovered * value * value
     size = -0.5 * volume * field * field * rate * profile_slope(code, s) / xi
     size /= r if r > 0.0 else 1.0
-    _push(total, size * x, size * y, size * z)
+    push(total, size * x, size * y, size * z)
 
 
 @njit
@@ -136,7 +136,7 @@ def crowded_corner(at, e, q, volume, law, found, near, n, total):
     # ∇∇φ·b = φ″ n n·b + φ′(b − n n·b)/|r|
     curved = first / r if SHARP * r > xi else 0.0
     both, bend = second * mb + alpha * first - curved * mb, curved * beta
-    _push(total, -both * mx - bend * tx, -both * my - bend * ty, -both * mz - bend * tz)
+    push(total, -both * mx - bend * tx, -both * my - bend * ty, -both * mz - bend * tz)
 
 
 @njit
@@ -192,7 +192,7 @@ def _rival(row):
 
 
 @njit(inline="always")
-def _push(total, fx, fy, fz):
+def push(total, fx, fy, fz):
     """A force at a point, and its size."""
     total[0] += fx
     total[1] += fy

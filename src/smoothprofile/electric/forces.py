@@ -16,7 +16,6 @@ from numba import njit, prange
 from smoothprofile.electric.crowded_spheres import MOST_RIVALS, OF_RIVAL, rivals
 from smoothprofile.electric.layers import (
     SHARP,
-    STEEPEST,
     STEP,
     VANISHING,
     WORK,
@@ -31,6 +30,7 @@ from smoothprofile.electric.operator import Geometry, corner_field
 from smoothprofile.electric.permittivity import ARITHMETIC, TENSOR, Permittivity, place
 from smoothprofile.particles.bodies import BodyState
 from smoothprofile.particles.paint import wrap
+from smoothprofile.particles.painting import STEEPEST
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,13 +16,12 @@ from smoothprofile.distances import SPHERE
 from smoothprofile.electric.windows import Boxes
 from smoothprofile.particles.bodies import Forms
 from smoothprofile.particles.paint import body_distance as body_distance
+from smoothprofile.particles.painting import STEEPEST
 from smoothprofile.profiles import QUARTIC, QUARTIC_EXCESS, SINE, TANH, indicator
 
 # Steps of the central differences of d, of its gradient, and of φ′, over the layer's thickness:
 # truncation (step·ξ/a)² and round-off 1e-16/step² both stay below 1e-9.
 STEP = 1e-3
-# |d| may change by a little more than the way, where the painted surface is moved by curvature.
-STEEPEST = 1.5
 # Where slopes cancel to less than this part of a body's own, or its surface bends within ξ/SHARP,
 # as on its axis or half way between two bodies, n swings round within a cell. The derivative of W
 # is unbounded on a grid point that lies there, and is left out.

@@ -21,6 +21,7 @@ from smoothprofile.electric.crowded_spheres import (
     crowded_corner,
     crowded_face,
     near_rivals,
+    push,
     rivals,
 )
 from smoothprofile.electric.layers import SHARP, level
@@ -136,7 +137,7 @@ def _lone_face(c, at, field, volume, value, law, total):
                 rate = (1.0 / fluid - 1.0 / inside) * value * value
             size = -0.5 * volume * field * field * rate * profile_slope(code, s) / xi
             size /= r if r > 0.0 else 1.0
-            _push(total, size * x, size * y, size * z)
+            push(total, size * x, size * y, size * z)
 
 
 @njit(inline="always")
@@ -161,15 +162,6 @@ def _lone_corner(at, e, q, volume, law, total):
             a = fluid + phi * (inside - fluid)
             h = 1.0 / (1.0 / fluid + phi * (1.0 / inside - 1.0 / fluid))
             rate = inside - fluid + (1.0 / inside - 1.0 / fluid) * h * h
-            push = -0.5 * volume * (tx * tx + ty * ty + tz * tz) * rate * steep
+            rise = -0.5 * volume * (tx * tx + ty * ty + tz * tz) * rate * steep
             turn = volume * max(a - h, 0.0) * ne / r if SHARP * r > xi else 0.0
-            _push(total, push * nx + turn * tx, push * ny + turn * ty, push * nz + turn * tz)
-
-
-@njit(inline="always")
-def _push(total, fx, fy, fz):
-    """A force at a point, and its size."""
-    total[0] += fx
-    total[1] += fy
-    total[2] += fz
-    total[9] += math.sqrt(fx * fx + fy * fy + fz * fz)
+            push(total, rise * nx + turn * tx, rise * ny + turn * ty, rise * nz + turn * tz)

@@ -22,7 +22,7 @@ from numba import njit, prange
 
 from smoothprofile.boundaries import pressure_boundary
 from smoothprofile.distances import MESH
-from smoothprofile.electric.layers import STEEPEST, STEP, distance, form_arrays, lay, level, normal
+from smoothprofile.electric.layers import STEP, distance, form_arrays, lay, level, normal
 from smoothprofile.electric.layers import slope as profile_slope
 from smoothprofile.electric.runs import corners_with_layer, no_runs, runs_of
 from smoothprofile.electric.sphere_painting import ARITHMETIC as ARITHMETIC
@@ -33,6 +33,7 @@ from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState, Forms
 from smoothprofile.particles.paint import Painter, wrap
+from smoothprofile.particles.painting import STEEPEST
 from smoothprofile.profiles import TANH, Profile
 
 Smoothing = Literal["arithmetic", "harmonic", "tensor"]

@@ -97,7 +97,7 @@ class PotentialSolver:
         if reference <= self._round_off(medium, field) or medium.contrast == 1.0:
             self.potential[:] = 0.0
             return SolveReport(0, 0.0, "converged")
-        if self._true_residual(medium, field, self.potential) > reference:
+        if not self._true_residual(medium, field, self.potential) <= reference:
             # A start that is worse than none, as where an alternating field passes through zero.
             self.potential[:] = 0.0
             self._true_residual(medium, field, self.potential)

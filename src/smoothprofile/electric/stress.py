@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smoothprofile.grid import Grid
+from smoothprofile.sampling import interpolate
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,22 +74,4 @@ def maxwell_loads(
 
 def field_at(grid: Grid, faces: tuple, points: np.ndarray) -> np.ndarray:
     """E (m,3) at points (m,3), each component linear between its own faces."""
-    result = np.empty((points.shape[0], 3))
-    for c in range(3):
-        index, part = [], []
-        for d, axis in enumerate(grid.axes):
-            knots = axis.padded_faces[1:] if d == c else axis.padded_centres
-            x = points[:, d]
-            if axis.periodic:
-                x = axis.low + np.mod(x - axis.low, axis.length)
-            low = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, knots.size - 2)
-            part.append((x - knots[low]) / (knots[low + 1] - knots[low]))
-            index.append(low + 1 if d == c else low)
-        total = 0.0
-        for corner in np.ndindex(2, 2, 2):
-            weight = 1.0
-            for d in range(3):
-                weight = weight * (part[d] if corner[d] else 1.0 - part[d])
-            total = total + weight * faces[c][tuple(index[d] + corner[d] for d in range(3))]
-        result[:, c] = total
-    return result
+    return np.stack([interpolate(grid, e, c, points) for c, e in enumerate(faces)], axis=1)

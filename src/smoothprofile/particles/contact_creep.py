@@ -31,11 +31,11 @@ from smoothprofile.particles.bodies import Forms
 from smoothprofile.particles.contact import Contact, ContactParameters
 from smoothprofile.particles.contact_hits import drag_apart, keep_within_walls, push, stop
 from smoothprofile.particles.contact_sweep import (
-    Hits,
     MassTable,
     drift,
     meet,
     place_parts,
+    room_for,
     set_out,
     speed_up,
 )
@@ -85,11 +85,7 @@ def creep(
         masses.inverse_mass / h, masses.inverse_inertia / h, masses.touch_force, masses.reach,
         masses.ball,
     )  # fmt: skip
-    hits = Hits(
-        np.empty((size, 2), np.int64), np.empty((size, 2)), np.empty(size), np.empty(size),
-        np.empty((size, 3)), np.empty((size, 3)), np.empty((size, 3)),
-    )  # fmt: skip
-    film, work = np.empty(size), np.zeros((5, n, 3))
+    hits, film, work = room_for(size), np.empty(size), np.zeros((5, n, 3))
     least = np.inf
     for k in range(first, count):
         s.gain[:] = 0.0

@@ -142,7 +142,7 @@ def _nearest_on_segments(ux, uy, uz, half_a, vx, vy, vz, half_b, dx, dy, dz):
     uv = ux * vx + uy * vy + uz * vz
     du, dv = dx * ux + dy * uy + dz * uz, dx * vx + dy * vy + dz * vz
     apart = 1.0 - uv * uv
-    s = (uv * dv - du) / apart if apart > 1e-12 else _shared_middle(uv, du, half_a, half_b)
+    s = (uv * dv - du) / apart if apart > 1e-12 else _shared_middle(du, half_a, half_b)
     s = min(max(s, -half_a), half_a)
     t = min(max(dv + s * uv, -half_b), half_b)
     s = min(max(t * uv - du, -half_a), half_a)
@@ -150,7 +150,7 @@ def _nearest_on_segments(ux, uy, uz, half_a, vx, vy, vz, half_b, dx, dy, dz):
 
 
 @njit(error_model="numpy")
-def _shared_middle(uv, du, half_a, half_b):
+def _shared_middle(du, half_a, half_b):
     """Of parallel segments: the middle of the stretch that both share, so that no turn begins."""
     low, high = max(-half_a, -du - half_b), min(half_a, -du + half_b)
     return 0.5 * (low + high)

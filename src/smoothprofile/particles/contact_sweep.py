@@ -25,6 +25,7 @@ from smoothprofile.particles.contact_hits import (
     push,
     stop,
 )
+from smoothprofile.particles.rigid import rotation_matrix
 
 
 class PartTable(NamedTuple):
@@ -105,11 +106,7 @@ def sweep(first, count, dt, rows, start, built, slack, cutoff, parts, masses, bo
     """Sub-steps `first` … `count`, the last of which only pushes, or until a part has moved by
     `slack` since the rows were `built`; returns the next sub-step and the least gap met."""
     n, size = course.origin.shape[0], rows.shape[0]
-    h = dt / count
-    hits = Hits(
-        np.empty((size, 2), np.int64), np.empty((size, 2)), np.empty(size), np.empty(size),
-        np.empty((size, 3)), np.empty((size, 3)), np.empty((size, 3)),
-    )  # fmt: skip
+    h, hits = dt / count, room_for(size)
     least = np.inf
     for k in range(first, count + 1):
         fastest = set_out(k * h, dt, n, masses, course, s)
@@ -135,6 +132,15 @@ def sweep(first, count, dt, rows, start, built, slack, cutoff, parts, masses, bo
 
 
 @njit
+def room_for(size):
+    """Hits of as many pairs, with anything in them."""
+    return Hits(
+        np.empty((size, 2), np.int64), np.empty((size, 2)), np.empty(size), np.empty(size),
+        np.empty((size, 3)), np.empty((size, 3)), np.empty((size, 3)),
+    )  # fmt: skip
+
+
+@njit
 def set_out(t, dt, n, masses, course, s):
     """Places and velocities at t, J⁻¹ in space; returns the fastest speed."""
     fastest = 0.0
@@ -156,7 +162,7 @@ def set_out(t, dt, n, masses, course, s):
                 s.mobility[b, d, d] = inverse[d, d]
         elif masses.inverse_mass[b] > 0.0:
             turn = np.empty((3, 3))
-            _matrix(q, turn)
+            rotation_matrix(q, turn)
             for d in range(3):
                 for e in range(3):
                     total = 0.0
@@ -178,7 +184,7 @@ def place_parts(parts, s, built):
         place = parts.place[p]
         plain = parts.kind[p] == SPHERE and place[0] == 0.0 and place[1] == 0.0 and place[2] == 0.0
         if not plain and b != last:
-            _matrix(s.quaternion[b], turn)
+            rotation_matrix(s.quaternion[b], turn)
             last = b
         moved = 0.0
         for d in range(3):
@@ -282,14 +288,3 @@ def drift(h, n, s):
         s.quaternion[b, 1] = c * q1 + x * q0 + y * q3 - z * q2
         s.quaternion[b, 2] = c * q2 + y * q0 + z * q1 - x * q3
         s.quaternion[b, 3] = c * q3 + z * q0 + x * q2 - y * q1
-
-
-@njit
-def _matrix(q, turn):
-    """R of a unit quaternion, as `rotations.matrix`."""
-    w, x, y, z = q
-    turn[0, 0], turn[0, 1] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z)
-    turn[1, 0], turn[1, 1] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z)
-    turn[2, 0], turn[2, 1] = 2 * (x * z - w * y), 2 * (y * z + w * x)
-    turn[0, 2], turn[1, 2] = 2 * (x * z + w * y), 2 * (y * z - w * x)
-    turn[2, 2] = 1 - 2 * (x * x + y * y)

@@ -16,13 +16,14 @@ from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState
 from smoothprofile.particles.paint import Painter
 from smoothprofile.particles.painting import by_body
+from smoothprofile.particles.stress import cross_matrix
 from smoothprofile.particles.windows import plane_of
 
-# ε_ijk, and ε_ijc ε_cab for each c, which takes ∫φ r_j r_b at the points of c to ∂(∫r×φu_p)_i/∂Ω_a.
-_CROSS = np.zeros((3, 3, 3))
+LEVI_CIVITA = np.zeros((3, 3, 3))
 for _i in range(3):
-    _CROSS[_i, _i - 2, _i - 1], _CROSS[_i, _i - 1, _i - 2] = 1.0, -1.0
-_TURNING = np.einsum("ijc,cab->cjbia", _CROSS, _CROSS).reshape(27, 9)
+    LEVI_CIVITA[_i, _i - 2, _i - 1], LEVI_CIVITA[_i, _i - 1, _i - 2] = 1.0, -1.0
+# ε_ijc ε_cab for each c, which takes ∫φ r_j r_b at the points of c to ∂(∫r×φu_p)_i/∂Ω_a.
+_TURNING = np.einsum("ijc,cab->cjbia", LEVI_CIVITA, LEVI_CIVITA).reshape(27, 9)
 # Where xx, xy … zz stand among the moments that the painter keeps.
 _SECOND = np.array([[4, 5, 6], [5, 7, 8], [6, 8, 9]])
 
@@ -118,12 +119,7 @@ class Impulse:
 
     def _slope(self, spin: np.ndarray) -> np.ndarray:
         """∂u_p,i/∂r_j = ε_iaj Ω_a + G_ij, (n,3,3)."""
-        slope = np.empty((spin.shape[0], 3, 3))
-        slope[:] = self.gradient
-        for i in range(3):
-            slope[:, i, i - 2] -= spin[:, i - 1]
-            slope[:, i, i - 1] += spin[:, i - 2]
-        return slope
+        return self.gradient + cross_matrix(spin)
 
 
 def _of_motion(painter: Painter, velocity: np.ndarray, slope: np.ndarray) -> np.ndarray:

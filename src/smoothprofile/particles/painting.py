@@ -47,7 +47,7 @@ def fill(phi, sums, w, parts, samples, rotation, ball, code, xi, half_width):
             else:
                 _distances(scratch, w, t, parts, samples, rotation[b], xi, half_width)
                 for m in range(line.size):
-                    line[m] = _cut_off(code, scratch[m], half_width)
+                    line[m] = level(code, scratch[m], half_width)
         shared = _may_overlap(w, begin, end)
         total = _total(phi, w, begin, end) if shared else scratch
         for t in range(begin, end):
@@ -138,7 +138,7 @@ def logistic(s):
 
 
 @njit(inline="always")
-def _cut_off(code, s, half_width):
+def level(code, s, half_width):
     """φ(s), 0 and 1 beyond the layer."""
     if s > half_width:
         return 0.0

@@ -52,7 +52,7 @@ def _advance(quaternion, spin, inertia, torque, dt):
         q, j = quaternion[b], inertia[b]
         turn, slope = np.empty((3, 3)), np.empty((3, 3))
         start, half_kick, rate, turning, left = np.empty((5, 3))
-        _matrix(q, turn)
+        rotation_matrix(q, turn)
         _to_body(turn, spin[b], rate)
         _to_body(turn, torque[b], half_kick)
         _times(j, rate, start)
@@ -65,7 +65,7 @@ def _advance(quaternion, spin, inertia, torque, dt):
             rate[d] += left[d]
         _mean_rate(j, start, dt, rate, turning, left, slope)
         _cayley(q, dt, rate)
-        _matrix(q, turn)
+        rotation_matrix(q, turn)
         _times(j, rate, turning)
         for d in range(3):
             left[d] = 2.0 * turning[d] - start[d]
@@ -121,7 +121,7 @@ def _cayley(q, dt, rate):
 
 
 @njit
-def _matrix(q, turn):
+def rotation_matrix(q, turn):
     """R of a unit quaternion, as `rotations.matrix` of one."""
     w, x, y, z = q
     turn[0, 0], turn[0, 1] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z)

@@ -14,7 +14,6 @@ import numpy as np
 from smoothprofile.particles.bodies import BodyState
 from smoothprofile.particles.inertia import DisplacedFluid
 
-COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 _ROWS, _COLUMNS = (0, 1, 2, 1, 0, 0), (0, 1, 2, 2, 2, 1)
 
 
@@ -56,8 +55,8 @@ def displaced_moments(
     volume = displaced.volume[:, None, None]
     second = half[:, None, None] * np.eye(3) - inertia
     second += volume * centroid[:, :, None] * centroid[:, None, :]
-    spin = _crossing(state.angular_velocity)
-    slope = _crossing(angular_acceleration) + spin @ spin
+    spin = cross_matrix(state.angular_velocity)
+    slope = cross_matrix(angular_acceleration) + spin @ spin
     moved = volume * centroid[:, :, None] * acceleration[:, None, :]
     return moved + second @ np.swapaxes(slope, 1, 2)
 
@@ -67,7 +66,7 @@ def components(tensor: np.ndarray) -> np.ndarray:
     return tensor[..., _ROWS, _COLUMNS]
 
 
-def _crossing(vectors: np.ndarray) -> np.ndarray:
+def cross_matrix(vectors: np.ndarray) -> np.ndarray:
     """[v]× (n,3,3): [v]× r = v × r."""
     matrix = np.zeros((len(vectors), 3, 3))
     for i in range(3):

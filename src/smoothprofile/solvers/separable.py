@@ -121,7 +121,7 @@ def _sweep(f, starts, groups, lx, lz, lower, diagonal, upper, weights, shift, sc
             for k in range(m):
                 row[k] = 1 / (d + base[k] - product * above[k])
         for i in range(i0 + first, i0 + groups[g + 1]):
-            _eliminate(f, i, j0, k0, inverse, lower, upper, scale)
+            _eliminate(f, i, j0, k0, inverse, lower, scale)
             if singular and lx[first] == 0:
                 _free_constant(f[i, j0 : j0 + n], k0, lz)
             _substitute(f, i, j0, k0, inverse, upper)
@@ -133,7 +133,7 @@ def _sweep(f, starts, groups, lx, lz, lower, diagonal, upper, weights, shift, sc
 
 
 @njit(inline="always")
-def _eliminate(f, i, j0, k0, inverse, lower, upper, scale):
+def _eliminate(f, i, j0, k0, inverse, lower, scale):
     n, m = inverse.shape
     row, pivot = f[i, j0, k0 : k0 + m], inverse[0]
     for k in range(m):

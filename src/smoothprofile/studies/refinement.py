@@ -37,7 +37,6 @@ ORDER_REACH = 0.5
 """Meshes of 0.5 to 1 cells to ξ are not yet in the range where the order is a whole number."""
 SAME = 0.1
 """Of the fine mesh's own error: how far two errors may differ and be called the same."""
-FEWER, FASTER = 4.0, 3.0
 LIMITS = 5e-4
 """Of the force: what the fits of an order to three meshes leave of their limits."""
 THESIS = (

@@ -14,7 +14,8 @@ import numpy as np
 
 from smoothprofile.errors import CaseError
 from smoothprofile.particles.loads import vectors
-from smoothprofile.viscous.layers import BodyLayers, rigid_slope
+from smoothprofile.particles.stress import cross_matrix
+from smoothprofile.viscous.layers import BodyLayers
 from smoothprofile.viscous.no_slip import WallLayers
 
 NOTHING_MOVES = np.zeros((3, 2, 3))
@@ -78,7 +79,7 @@ class Balance:
             self.bodies.gather(driven, bodies, bodies, -1.0)
             self.walls.gather(driven, walls, walls, -1.0)
         velocity = self.motion[:, :3] - self.mean * self.held[:, None]
-        slope = rigid_slope(self.motion[:, 3:])
+        slope = cross_matrix(self.motion[:, 3:])
         if self.drive.gradient is not None:
             slope = slope - self.drive.gradient
         self.bodies.add_linear(bodies, velocity, slope)
@@ -100,7 +101,7 @@ class Balance:
         motion = np.concatenate([velocity, spin], axis=1)
         motion = np.where(self.held[:, None], self.motion, motion)
         yielding, slope = self.bodies.yielding(moments)
-        slope = rigid_slope(motion[:, 3:]) - slope
+        slope = cross_matrix(motion[:, 3:]) - slope
         if self.drive.gradient is not None:
             slope = slope - self.drive.gradient
         self.bodies.gather(flow, bodies, bodies, -1.0)
@@ -138,7 +139,7 @@ class Balance:
             motion[:, :3] += uniform * self.held[:, None]
             self.walls.add_uniform(walls, np.broadcast_to(uniform, (3, 2, 3)))
         velocity = np.ascontiguousarray(motion[:, :3])
-        self.bodies.add_linear(bodies, velocity, rigid_slope(motion[:, 3:]))
+        self.bodies.add_linear(bodies, velocity, cross_matrix(motion[:, 3:]))
 
     def _rigid(self, moments: np.ndarray) -> np.ndarray:
         """(ZᵀZ)⁻¹ of (n,6)."""

@@ -52,7 +52,7 @@ class DirectStokes:
         self._poisson.solve(pressure, 0.0)
         fill_ghosts(pressure, self.pressure_boundary)
         gradient = np.zeros(3)
-        _subtract_gradient(*force, pressure, *velocity, *self._spacings)
+        subtract_gradient(*force, pressure, *velocity, *self._spacings)
         shift, factor = resistance / self.viscosity, 1.0 / self.viscosity
         for c, u in enumerate(velocity):
             held = mean is not None and self.grid.axes[c].periodic
@@ -74,7 +74,8 @@ class DirectStokes:
 
 
 @njit(parallel=True, cache=True)
-def _subtract_gradient(fx, fy, fz, p, u, v, w, sx, sy, sz):
+def subtract_gradient(fx, fy, fz, p, u, v, w, sx, sy, sz):
+    """u = f − ∇p on the interior, which may be in place; sx, sy, sz are the `spacings`."""
     gz = sz[1]
     for i in prange(1, u.shape[0] - 1):
         for j in range(1, u.shape[1] - 1):

@@ -13,12 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from smoothprofile.particles.loads import LEVI_CIVITA
 from smoothprofile.particles.stress import straining
 from smoothprofile.solvers.krylov import LIMIT, Progress, SolveReport
-
-_CROSS = np.zeros((3, 3, 3))
-for _i in range(3):
-    _CROSS[_i, _i - 2, _i - 1], _CROSS[_i, _i - 1, _i - 2] = 1.0, -1.0
 
 Operator = Callable[[np.ndarray], np.ndarray]
 
@@ -72,13 +69,13 @@ def moments_of(force, torque, stresslet) -> np.ndarray:
     """(n,3,4) of F (n,3), T (n,3) and S (n,3,3)."""
     moments = np.empty((*np.shape(force), 4))
     moments[:, :, 0] = force
-    moments[:, :, 1:] = -0.5 * np.einsum("ijk,nk->nij", _CROSS, torque) - stresslet
+    moments[:, :, 1:] = -0.5 * np.einsum("ijk,nk->nij", LEVI_CIVITA, torque) - stresslet
     return moments
 
 
 def spin(motion: np.ndarray) -> np.ndarray:
     """Ω_i = −½ε_ijk G_jk (n,3)."""
-    return -0.5 * np.einsum("ijk,njk->ni", _CROSS, motion[:, :, 1:])
+    return -0.5 * np.einsum("ijk,njk->ni", LEVI_CIVITA, motion[:, :, 1:])
 
 
 def strain(motion: np.ndarray) -> np.ndarray:
@@ -102,14 +99,14 @@ def conjugate_gradients(
     is a power, and does not depend on units of forces and torques.
     """
     z = precondition(residual)
-    direction, product = z, _dot(residual, z)
+    direction, product = z, power(residual, z)
     progress = Progress(float(np.sqrt(product)), tolerance * reference)
     iterations, status = 0, ""
     if product <= (tolerance * reference) ** 2:
         status, limit = "converged", 0
     while iterations < limit:
         image = operator(direction)
-        curvature = _dot(direction, image)
+        curvature = power(direction, image)
         iterations += 1
         if not curvature > 0.0:
             status = "diverged"
@@ -118,7 +115,7 @@ def conjugate_gradients(
         solution += step * direction
         residual -= step * image
         z = precondition(residual)
-        before, product = product, _dot(residual, z)
+        before, product = product, power(residual, z)
         size = np.sqrt(product)
         status = progress.verdict(size)
         if status:
@@ -128,13 +125,9 @@ def conjugate_gradients(
     return SolveReport(iterations, size / float(reference) if reference else size, status or LIMIT)
 
 
-def power(moments: np.ndarray, motion: np.ndarray) -> np.ndarray:
+def power(moments: np.ndarray, motion: np.ndarray) -> float:
     """F·V + D:G of all spheres."""
-    return _dot(moments, motion)
-
-
-def _dot(a: np.ndarray, b: np.ndarray) -> float:
-    return float((a * b).sum())
+    return float((moments * motion).sum())
 
 
 def _column(values: np.ndarray | float) -> np.ndarray:

@@ -16,11 +16,12 @@ from smoothprofile.particles.bodies import BodyState
 from smoothprofile.particles.loads import Impulse, vectors
 from smoothprofile.particles.paint import Painter
 from smoothprofile.particles.painting import by_body
-from smoothprofile.particles.stress import straining
+from smoothprofile.particles.stress import cross_matrix, straining
 from smoothprofile.particles.windows import plane_of
 
 SINGULAR = 1e-12
-"""Of the largest eigenvalue of ZᵀZ: below it, a body's points do not tell its motions apart."""
+"""Of the largest eigenvalue of ZᵀZ, its diagonal scaled to one so that no unit of length counts:
+below it, a body's points do not tell its motions apart."""
 
 
 class BodyLayers:
@@ -55,7 +56,9 @@ class BodyLayers:
             self.up, self.down = root * volume, root / volume
         self.gram = self._impulse.matrix(self.painter) * (self.resistance / self.cell)
         self.totals = self.gram[:, range(3), range(3)]
-        sizes = np.linalg.eigvalsh(self.gram)
+        diagonal = np.sqrt(np.diagonal(self.gram, axis1=1, axis2=2))
+        scale = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
+        sizes = np.linalg.eigvalsh(scale[:, :, None] * self.gram * scale[:, None, :])
         for body in np.flatnonzero(~(sizes[:, 0] > SINGULAR * sizes[:, -1]))[:1]:
             raise CaseError(
                 f"particles.{body} meets no points of the grid that could move and turn it; a body "
@@ -97,18 +100,8 @@ class BodyLayers:
             return np.zeros((self.count, 3)), np.zeros((self.count, 3, 3))
         velocity, turn, strain = (self.cell * self.compliance).T[..., None]
         slope = strain[..., None] * straining(moments[:, :, 1:])
-        slope += rigid_slope(turn * vectors(moments)[:, 3:])
+        slope += cross_matrix(turn * vectors(moments)[:, 3:])
         return np.ascontiguousarray(velocity * moments[:, :, 0]), slope
-
-
-def rigid_slope(spin: np.ndarray) -> np.ndarray:
-    """∂(Ω×r)_i/∂r_j (n,3,3)."""
-    slope = np.zeros((spin.shape[0], 3, 3))
-    x, y, z = spin.T
-    slope[:, 0, 1], slope[:, 0, 2] = -z, y
-    slope[:, 1, 0], slope[:, 1, 2] = z, -x
-    slope[:, 2, 0], slope[:, 2, 1] = -y, x
-    return slope
 
 
 @njit(parallel=True, cache=True)

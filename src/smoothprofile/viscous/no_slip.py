@@ -68,7 +68,9 @@ class WallLayers:
     def spread(self, g: np.ndarray, fields: tuple) -> None:
         """f += √χ g."""
         for p in self._planes:
-            fields[p.component][p.points] += p.down * g[p.at].reshape(p.shape)
+            layers, added = fields[p.component][p.points], p.down * g[p.at].reshape(p.shape)
+            # Both walls of an axis of one cell hold that cell.
+            layers += added if layers.shape == p.shape else added.sum(axis=p.axis, keepdims=True)
 
     def gather(self, fields: tuple, g: np.ndarray, out: np.ndarray, factor: float = 1.0) -> None:
         """out = g + factor·√χ u; `out` may be g."""
@@ -112,7 +114,7 @@ class WallLayers:
         grid, boundary = self.grid, self._direct.boundaries[component]
         n = grid.shape[axis]
         points = list(boundary.unknowns(grid))
-        # The two layers as one slice; of one cell, both walls hold the same.
+        # The two layers as one slice.
         points[axis] = slice(1, n + 1, n - 1) if n > 1 else slice(1, 2)
         along = [d for d in range(3) if d != axis]
         shape = [s.stop - s.start for s in points]

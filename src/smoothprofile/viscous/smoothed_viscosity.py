@@ -22,11 +22,10 @@ from smoothprofile.boundaries import fill_ghosts
 from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
 from smoothprofile.solvers.krylov import SolveReport, conjugate_gradients, dot, norm
+from smoothprofile.viscous.direct import Vector
 from smoothprofile.viscous.smoothed_viscosity_projection import Projection
 from smoothprofile.viscous.tensor_viscosity import SmoothedViscosity
 from smoothprofile.viscous.tensor_viscosity_stress import Stress
-
-Vector = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 ROUND_OFF = 1e-13
 """Of forces and of stresses over a cell: a residual of u = 0 below it is none."""

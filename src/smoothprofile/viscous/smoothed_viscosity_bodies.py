@@ -13,9 +13,11 @@ import numpy as np
 from numba import njit, prange
 
 from smoothprofile.particles.bodies import BodyState
+from smoothprofile.particles.painting import level
 from smoothprofile.solvers.krylov import SolveReport
-from smoothprofile.viscous.smoothed_viscosity import SmoothedStokes, Vector
-from smoothprofile.viscous.tensor_viscosity import SmoothedViscosity, distance, level, nearest
+from smoothprofile.viscous.direct import Vector
+from smoothprofile.viscous.smoothed_viscosity import SmoothedStokes
+from smoothprofile.viscous.tensor_viscosity import SmoothedViscosity, distance, nearest
 
 GRAM, GATHER, SPREAD = range(3)
 

@@ -14,7 +14,12 @@ from smoothprofile.profiles import profile_named
 from smoothprofile.shapes import Shape
 from smoothprofile.theory.dielectric import flat_offsets
 from smoothprofile.viscous.smoothed_viscosity_radius import painted_radius
-from smoothprofile.viscous.tensor_viscosity import SmoothedViscosity, Smoothing, checked_smoothing
+from smoothprofile.viscous.tensor_viscosity import (
+    SmoothedViscosity,
+    Smoothing,
+    checked_smoothing,
+    checked_viscosity,
+)
 
 CELLS = 1.0
 """ξ over the widest cell."""
@@ -46,8 +51,7 @@ def viscous_medium(
             f"{len(shapes)} bodies have {len(viscosity)} viscosities; give one to each."
         )
     for value in (*viscosity, fluid):
-        if not (math.isfinite(value) and value > 0.0):
-            raise CaseError(f"a viscosity is {value:g}; it must be a finite number above 0.")
+        checked_viscosity(value)
     if smoothing is None:
         contrast = max((max(v / fluid, fluid / v) for v in viscosity), default=1.0)
         smoothing = "tensor" if contrast < STIFF else "harmonic"

@@ -26,7 +26,8 @@ from smoothprofile.errors import CaseError
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import BodyState, Forms
 from smoothprofile.particles.paint import Painter, body_distance
-from smoothprofile.profiles import TANH, Profile, indicator
+from smoothprofile.particles.painting import STEEPEST, level
+from smoothprofile.profiles import TANH, Profile
 
 Smoothing = Literal["arithmetic", "harmonic", "tensor"]
 SMOOTHINGS = ("arithmetic", "harmonic", "tensor")
@@ -36,8 +37,6 @@ TAIL = 1e-4
 """Relative jump of μ or 1/μ at which the tails of tanh are cut."""
 STEP = 1e-3
 """Of the central differences of d over ξ: truncation (STEP·ξ/a)² and round-off stay below 1e-9."""
-STEEPEST = 1.5
-"""|d| may change by a little more than the way, where the surface is moved by curvature."""
 NEGLIGIBLE = 1e-9
 """Of the fluid's viscosity: μ_a − μ_h below which a cell belongs to no layer."""
 
@@ -68,8 +67,7 @@ class SmoothedViscosity:
             raise CaseError("a triangulated surface cannot have a viscosity.")
         self.viscosity, self.fluid = np.array(viscosity, dtype=np.float64), float(fluid)
         for value in (*self.viscosity, self.fluid):
-            if not (math.isfinite(value) and value > 0.0):
-                raise CaseError(f"a viscosity is {value:g}; it must be a finite number above 0.")
+            checked_viscosity(value)
         if self.viscosity.shape != (forms.part_start.size - 1,):
             raise CaseError("there must be one viscosity for each body.")
         self.grid, self.forms, self.thickness, self.smoothing = grid, forms, thickness, smoothing
@@ -130,22 +128,19 @@ class SmoothedViscosity:
         self.normal = np.divide(normal, size, out=np.zeros_like(normal), where=size > 0.0)
 
 
+def checked_viscosity(value: float) -> float:
+    """The same; CaseError unless it is finite and above 0."""
+    if not (math.isfinite(value) and value > 0.0):
+        raise CaseError(f"a viscosity is {value:g}; it must be a finite number above 0.")
+    return value
+
+
 def checked_smoothing(smoothing: str) -> str:
     """The same; CaseError for a name that is none."""
     if smoothing not in SMOOTHINGS:
         known = ", ".join(SMOOTHINGS)
         raise CaseError(f"smoothing is {smoothing!r}; it must be one of {known}.")
     return smoothing
-
-
-@njit(inline="always")
-def level(code, z, half_width):
-    """φ(z), exactly 0 or 1 beyond the half width."""
-    if z > half_width:
-        return 0.0
-    if z < -half_width:
-        return 1.0
-    return indicator(code, z)
 
 
 @njit(inline="always")

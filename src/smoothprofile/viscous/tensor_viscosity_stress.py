@@ -14,9 +14,8 @@ from numba import njit, prange
 
 from smoothprofile.boundaries import fill_ghosts
 from smoothprofile.grid import Grid
+from smoothprofile.viscous.direct import Vector
 from smoothprofile.viscous.tensor_viscosity import SmoothedViscosity
-
-Vector = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
 """The six components of strain and stress, in the order in which they are kept."""
