@@ -2,8 +2,9 @@
 
 import os
 
-# Read once, when numba loads. Tests ask for up to four threads, whatever the machine has.
-os.environ.setdefault("NUMBA_NUM_THREADS", str(max(4, os.cpu_count() or 1)))
+# Read once, when numba loads. Tests ask for up to four threads, whatever the machine has or its
+# user has set.
+os.environ["NUMBA_NUM_THREADS"] = str(max(4, os.cpu_count() or 1))
 
 import pytest
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+import flows
 from smoothprofile import rotations
-from smoothprofile.grid import Grid, uniform_axis
 from smoothprofile.particles.bodies import Forms
 from smoothprofile.particles.contact import Contact, default_parameters
 
@@ -11,8 +11,7 @@ UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
 def grid(lengths=(10.0, 10.0, 10.0), periodic=(True, True, True)):
-    axes = zip("xyz", lengths, periodic, strict=True)
-    return Grid(tuple(uniform_axis(n, 0.0, length, 8, p) for n, length, p in axes))
+    return flows.box([8, 8, 8], lengths, periodic)
 
 
 class Scene:

@@ -8,6 +8,7 @@ import smoothprofile as sp
 from smoothprofile.grid import interior
 
 SCHEMES = ("backward-euler", "crank-nicolson", "bdf2", "bdf3")
+STILL = {"x": 0.0, "y": 0.0, "z": 0.0}
 
 
 def simulation(*bodies, courses=None, **changes):
@@ -47,6 +48,20 @@ def simulation(*bodies, courses=None, **changes):
 
 def sphere(position, radius=0.8, **keys):
     return {"shape": "sphere", "radius": radius, "position": list(position), **keys}
+
+
+def free(position, density, radius=0.8, **keys):
+    return sphere(position, radius, motion="free", density=density, **keys)
+
+
+def random_velocity(run, seed=5):
+    """Fields of white noise at the points where the velocity is unknown."""
+    rng = np.random.default_rng(seed)
+    fields = tuple(run.grid.zeros() for _ in range(3))
+    for boundary, field in zip(run.flow.boundaries, fields, strict=True):
+        inside = field[boundary.unknowns(run.grid)]
+        inside[...] = rng.standard_normal(inside.shape)
+    return fields
 
 
 def steps(run, count):

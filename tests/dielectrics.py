@@ -12,6 +12,10 @@ from smoothprofile.particles.bodies import Forms, bodies_at
 from smoothprofile.profiles import profile_named
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+LATTICES = {(2, 0.2): 1.1579717, (2, 0.4): 1.3351368, (10, 0.2): 1.5317239, (10, 0.4): 2.3644314}
+"""ε_eff/ε of simple cubic lattices of spheres, by R and volume fraction."""
+PAIRS = {(2, 0.5): -0.131808, (2, 1.0): -0.054098, (10, 0.5): -1.567287, (10, 1.0): -0.563357}
+"""Force on the farther of two spheres of radius 1 along the field, by R and gap; side 8."""
 
 
 class Box:

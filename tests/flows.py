@@ -40,5 +40,5 @@ def start(flow, functions, time=0.0):
 
 
 def slope(sizes, errors):
-    """Order of convergence: the slope of log error against log size."""
-    return np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    """Order of convergence: the slope of log |error| against log size."""
+    return np.polyfit(np.log(sizes), np.log(np.abs(errors)), 1)[0]

@@ -5,7 +5,8 @@ import math
 import numpy as np
 from scipy.special import erfc
 
-from smoothprofile.grid import Axis, Grid, uniform_axis
+import flows
+from smoothprofile.grid import Axis, Grid
 from smoothprofile.particles.bodies import BodyState, bodies_at
 from smoothprofile.shapes import Shape, sphere
 from smoothprofile.viscous.around import stokes_around
@@ -19,8 +20,7 @@ CUBIC = {0.027: 2.00775, 0.064: 2.81020, 0.1: 3.64245, 0.216: 7.44195, 0.3: 12.0
 
 def box(lengths, cells, periodic=(True, True, True)) -> Grid:
     """Uniform axes that begin at zero."""
-    axes = zip("xyz", lengths, cells, periodic, strict=True)
-    return Grid(tuple(uniform_axis(name, 0.0, l, n, p) for name, l, n, p in axes))
+    return flows.box(cells, lengths, periodic)
 
 
 def wavy(axis: Axis, depth: float) -> Axis:

@@ -197,11 +197,29 @@ def test_nothing_is_overwritten(spm, case, tmp_path):
     assert_refused(spm("run", case, "--out", "there/inside"), "there/inside", "cannot be made")
 
 
-def test_wrong_usage_has_exit_code_2(spm):
-    for arguments in (["run"], ["walk"], ["run", "duct", "--threads", "many"], ["run", "--fast"]):
-        code, out, err = spm(*arguments)
-        assert (code, out) == (2, "")
-        assert "Usage: " in err
+WRONG_LINES = [
+    (["run"], ["spm run needs CASE"]),
+    (["chekc", "duct"], ["no command chekc", "the nearest is check"]),
+    (["walk"], ["no command walk", "it has cases, new"]),
+    (["run", "duct", "--threads", "many"], ["--threads is many", "a whole number from 1"]),
+    (["run", "duct", "--retry", "-1"], ["--retry is -1", "a whole number from 0"]),
+    (["run", "duct", "--thread", "2"], ["no option --thread;", "the nearest is --threads"]),
+    (["run", "--quickly"], ["no option --quickly", "it has --out, --set"]),
+    (["run", "duct", "more"], ["spm run", "(more)"]),
+    (["run", "duct", "--set"], ["'--set' requires an argument"]),
+]
+
+
+@pytest.mark.parametrize(("arguments", "words"), WRONG_LINES)
+def test_a_line_that_cannot_be_read_is_told_in_one_sentence(spm, arguments, words):
+    assert_refused(spm(*arguments), *words)
+    if arguments[-1] != "--set":
+        assert_refused_as_json(spm(*arguments, "--json"), *words)
+
+
+def test_spm_alone_shows_its_commands(spm):
+    code, out, err = spm()
+    assert (code, "Usage: spm" in out + err, "study" in out + err) == (2, True, True)
 
 
 def test_a_layer_thinner_than_a_cell_is_only_a_warning(spm, case):
@@ -283,7 +301,7 @@ def test_report_is_rebuilt(spm, case, tmp_path):
     assert (tmp_path / "page.html").read_text() == first
     for name in ("summary.json", "plane.npz", "case.toml"):
         (tmp_path / "here" / name).write_text("{")
-        assert_refused(spm("report", "here"), "a file in here is damaged")
+        assert_refused(spm("report", "here"), "here", "is damaged: ")
 
 
 def test_a_report_shows_torque_where_there_is_no_force(spm, case, tmp_path):

@@ -92,6 +92,8 @@ WALLED = "domain.boundaries=['periodic','periodic','wall']"
         (["domain.precision=single"], 'a case with [electric] needs "double"'),
         (["profile.thickness=0.3"], "a case without [fluid] has no profile"),
         (["time.end=1"], "a case without [fluid] has no time"),
+        (["output.fields_every=1"], "output.fields_every is 1.0; a case without [fluid] has no"),
+        (["contact.friction=0.2"], "contact.friction is 0.2; a case without [fluid] has no cont"),
         (["output.fields=['pressure']"], "a case without [fluid] has no pressure"),
         (["particles.0.velocity=[1,0,0]"], 'bodies of a case without [fluid] are "held"'),
         (["particles.0.position=[3.5,0,0]", "particles.0.radius=4.2"], "overlaps"),
@@ -109,6 +111,14 @@ def test_a_bead_without_permittivity_is_refused():
 def test_a_permittivity_without_a_field_is_refused():
     bead = {"shape": "sphere", "radius": 1.0, "position": [0, 0, 0], "permittivity": 2.0}
     assert "a case without [electric] has none" in refusal(small_case(bead))
+
+
+def test_the_effective_permittivity_is_asked_of_a_field_alone():
+    bead = {"shape": "sphere", "radius": 1.0, "position": [0, 0, 0], "permittivity": 2.0}
+    case = small_case(bead, boundaries=["periodic"] * 3)
+    case["electric"] = {"field": [0, 0, 1], "effective": True}
+    assert "electric.effective is true; it takes a field of its own" in refusal(case)
+    assert not load_case({**case, "electric": {"field": [0, 0, 1]}}).electric.effective
 
 
 def test_a_lattice_whose_spheres_overlap_is_refused():

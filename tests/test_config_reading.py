@@ -59,6 +59,7 @@ def test_a_case_with_everything_survives_a_round_trip():
 def test_built_in_cases_agree_with_their_references():
     for entry in list_cases():
         assert entry.title and entry.description.endswith(".")
+        assert entry.takes.startswith("about "), entry.name
         case = load_case(entry.name)
         if case.reference is None:
             continue

@@ -6,17 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coupled import SCHEMES, momentum, simulation, sphere, steps
+from coupled import SCHEMES, STILL, free, momentum, simulation, sphere, steps
 from smoothprofile import rotations
 from smoothprofile.errors import CaseError
 from smoothprofile.particles.contact import ContactHistory
 from smoothprofile.schemes import SCHEMES as SCHEME_TABLES
-
-STILL = {"x": 0.0, "y": 0.0, "z": 0.0}
-
-
-def free(position, density, **more):
-    return sphere(position, motion="free", density=density, **more)
 
 
 def total_momentum(run):

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from dielectrics import UPRIGHT, lattice_radius
+from dielectrics import LATTICES, PAIRS, UPRIGHT, lattice_radius
+from flows import slope
 from smoothprofile.electric.forces import body_loads
 from smoothprofile.electric.medium import dielectric_medium
 from smoothprofile.electric.potential import PotentialSolver
@@ -15,8 +16,6 @@ from smoothprofile.particles.bodies import bodies_at
 from smoothprofile.rotations import from_axis_angle
 from smoothprofile.shapes import cylinder, ellipsoid, sphere
 
-LATTICES = {(2, 0.2): 1.1579717, (2, 0.4): 1.3351368, (10, 0.2): 1.5317239, (10, 0.4): 2.3644314}
-PAIRS = {(2, 0.5): -0.131808, (2, 1.0): -0.054098, (10, 0.5): -1.567287, (10, 1.0): -0.563357}
 ALONG_X = (1.0, 0.0, 0.0)
 OFF_CENTRE = [0.503, 0.511, 0.507]
 
@@ -98,16 +97,12 @@ def test_field_at_the_centre_of_a_sphere(cells, error):
     assert case.field(OFF_CENTRE)[0] == pytest.approx(0.2954021, rel=error)
 
 
-def slope(cells, errors):
-    return -np.polyfit(np.log(cells), np.log(np.abs(errors)), 1)[0]
-
-
 def test_lattice_is_of_second_order_in_the_thickness():
     """ξ ∝ Δx; as painted, the tensor's error falls as ξ² and the arithmetic mean's as ξ."""
     cells, exact = (16, 24, 32, 48), LATTICES[10, 0.2]
     orders = {
         (smoothing, retract): slope(
-            cells,
+            1.0 / np.array(cells),
             [
                 lattice(n, 0.2, 10, smoothing=smoothing, retract=retract).response / exact - 1
                 for n in cells
@@ -124,7 +119,8 @@ def test_pair_force_is_of_second_order_in_the_thickness():
     cells, orders = (64, 96, 128), {}
     for smoothing, retract in (("tensor", True), ("tensor", False), ("arithmetic", False)):
         forces = [attraction(pair(n, 10, 1.0, smoothing=smoothing, retract=retract)) for n in cells]
-        orders[smoothing, retract] = slope(cells, np.array(forces) / PAIRS[10, 1.0] - 1)
+        errors = np.array(forces) / PAIRS[10, 1.0] - 1
+        orders[smoothing, retract] = slope(1.0 / np.array(cells), errors)
     assert orders["tensor", True] >= 1.8 and orders["tensor", False] >= 1.8
     assert 0.8 < orders["arithmetic", False] < 1.5
 

@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from dielectrics import Box, cube
+from dielectrics import PAIRS, Box, cube
 from smoothprofile.electric.stress import box_surface, maxwell_loads, sphere_surface
 from smoothprofile.rotations import from_axis_angle, multiply
 from smoothprofile.shapes import capsule, ellipsoid, sphere
 
-PAIRS = {(2, 0.5): -0.131808, (2, 1.0): -0.054098, (10, 0.5): -1.567287, (10, 1.0): -0.563357}
 SHAPES = [ellipsoid([1.1, 0.7, 0.6]), capsule(0.5, 0.6), sphere(0.5)]
 PLACES = np.array([[1.03, 2.0, 2.1], [3.05, 2.31, 1.93], [2.2, 3.4, 3.3]])
 TURNS = np.array(

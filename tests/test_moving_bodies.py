@@ -4,16 +4,10 @@ import numpy as np
 import pytest
 
 import smoothprofile as sp
-from coupled import SCHEMES, momentum, simulation, sphere, steps
+from coupled import SCHEMES, STILL, free, momentum, simulation, steps
 from smoothprofile import shapes
 from smoothprofile.particles.dynamics import _flatness
 from smoothprofile.schemes import SCHEMES as TABLES
-
-STILL = {"x": 0.0, "y": 0.0, "z": 0.0}
-
-
-def free(position, density, radius=0.8, **more):
-    return sphere(position, radius, motion="free", density=density, **more)
 
 
 def crowd(count, densities, cells, seed=3, **more):

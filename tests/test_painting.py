@@ -5,7 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from coupled import body_coordinates, cell_volumes, momentum, simulation, sphere, steps
+from coupled import (
+    body_coordinates,
+    cell_volumes,
+    momentum,
+    random_velocity,
+    simulation,
+    sphere,
+    steps,
+)
 from smoothprofile.distances import curvature, signed_distance
 from smoothprofile.grid import interior
 from smoothprofile.particles.loads import Impulse
@@ -32,15 +40,6 @@ TOUCHING = (
 
 # √(νΔt) = ξ or more: painted outside their true surfaces, by .1 to .3.
 FAR_OUT = {"cells": [20] * 3, "retract": "planar", "viscosity": 8.0}
-
-
-def random_velocity(run, seed=5):
-    rng = np.random.default_rng(seed)
-    fields = tuple(run.grid.zeros() for _ in range(3))
-    for boundary, field in zip(run.flow.boundaries, fields, strict=True):
-        inside = field[boundary.unknowns(run.grid)]
-        inside[...] = rng.standard_normal(inside.shape)
-    return fields
 
 
 def painted(run, component):

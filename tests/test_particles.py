@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import smoothprofile as sp
-from coupled import body_coordinates, cell_volumes, simulation, sphere, steps
+from coupled import body_coordinates, cell_volumes, random_velocity, simulation, sphere, steps
 from smoothprofile import rotations
 from smoothprofile.config import build_shape
 from smoothprofile.distances import curvature
@@ -207,16 +207,6 @@ def test_ellipsoid_is_painted_by_its_curvature():
     without = rotations.rotate(run.bodies.state.quaternion[0], surface) + 3.0
     wrong = sp.simulation.sampling.interpolate(run.grid, run.bodies.painter.dense(0), 0, without)
     assert np.abs(wrong - 0.5).max() > 0.1
-
-
-def random_velocity(run, seed=5):
-    rng = np.random.default_rng(seed)
-    fields = tuple(run.grid.zeros() for _ in range(3))
-    for c, f in enumerate(fields):
-        f[run.flow.boundaries[c].unknowns(run.grid)] = rng.standard_normal(
-            f[run.flow.boundaries[c].unknowns(run.grid)].shape
-        )
-    return fields
 
 
 OBLONG = {

@@ -309,6 +309,10 @@ def test_a_directory_whose_run_had_not_begun_is_begun(spm, tmp_path, monkeypatch
     text = load_case(box(time={"max_steps": 2})).to_toml()
     (tmp_path / "case.toml").write_text(text, encoding="utf-8")
     assert spm("run", "case.toml", "--out", "run", "--resume-if-exists")[0] == 0
+    for words in ("", "nothing left to do"):
+        code, _, err = spm("run", "case.toml", "--resume-if-exists")
+        assert code == 0 and words in err
+    assert [path.name for path in (tmp_path / "runs").iterdir()] == ["case"]
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "mine.txt").write_text("mine")
     code, _, err = spm("run", "case.toml", "--out", "run", "--resume-if-exists")
@@ -317,6 +321,9 @@ def test_a_directory_whose_run_had_not_begun_is_begun(spm, tmp_path, monkeypatch
     assert code == 0 and json.loads(out)["status"] == "max_steps"
     code, _, err = spm("run", "case.toml", "--out", "other", "--resume-if-exists")
     assert code == 2 and "not a run directory" in err
+    changed = ("--set", "time.max_steps=3")
+    code, _, err = spm("run", "case.toml", "--out", "run", "--resume-if-exists", *changed)
+    assert code == 2 and "run holds the run of another case than case.toml with these" in err
     assert (tmp_path / "other" / "mine.txt").read_text() == "mine"
 
 

@@ -99,8 +99,17 @@ def test_a_retried_run_that_is_stopped_ends_with_the_same_bits(spm, tmp_path, mo
 def test_what_never_holds_still_ends_with_exit_code_3(spm, tmp_path, monkeypatch):
     accelerating(tmp_path)
     limit(monkeypatch, 0.1)
+    watches = []
+
+    def watching(*given):
+        watches.append(Stops(*given))
+        return watches[-1]
+
+    monkeypatch.setattr("smoothprofile.running.Stops", watching)
     code, _, err = spm("run", "case.toml", "--out", "run", "--retry", "2")
     assert code == 3 and err.count("Trying again from") == 2
+    # One for all attempts: output.stop_after is for them together.
+    assert len(watches) == 1
     _, run = record_of_broken(tmp_path / "run")
     steps = [(entry["time_step_before"], entry["time_step"]) for entry in run["retries"]]
     assert len(steps) == 2 and run["status"] == "blew_up"

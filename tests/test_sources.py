@@ -300,6 +300,18 @@ def test_files_lie_with_the_case_or_are_given_whole(tmp_path, monkeypatch):
             {"random": {"count": 5}, "radius": {"mean": 1, "deviation": 1, "smallest": 5}},
             "particles.1.radius.smallest is 5.0; it must be below the largest, 4",
         ),
+        # Drawn again and again until one falls between the ends, these would take for ever.
+        (
+            {"random": {"count": 5}, "radius": {"mean": 1, "deviation": 1e6, "largest": 1.1}},
+            "particles.1.radius.deviation is 1000000.0; less than 1 % of what is drawn lies",
+        ),
+        (
+            {
+                "random": {"count": 5},
+                "radius": {"kind": "lognormal", "mean": 1, "deviation": 1e9},
+            },
+            "particles.1.radius.deviation is 1000000000.0; less than 1 %",
+        ),
         (
             {"random": {"count": 5}, "radius": {"sizes": [1], "shares": [1, 2]}},
             "particles.1.radius.shares is [1.0, 2.0]; it must be 1 number",

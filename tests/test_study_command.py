@@ -47,7 +47,9 @@ def test_verdicts():
 def test_studies_are_listed(spm):
     code, out, _ = spm("study", "list", "--json")
     assert code == 0
-    assert [entry["name"] for entry in json.loads(out)["studies"]] == list(studies.STUDIES)
+    entries = json.loads(out)["studies"]
+    assert [entry["name"] for entry in entries] == list(studies.STUDIES) == list(studies.TAKES)
+    assert all(entry["takes"].startswith(("about ", "some ")) for entry in entries)
 
 
 def test_every_study_has_its_file():
@@ -90,6 +92,21 @@ def test_nothing_is_overwritten(spm, found, tmp_path):
     code, _, err = spm("study", "couette", "--out", tmp_path)
     assert code == 2
     assert "nothing was overwritten" in err
+
+
+def test_a_study_begins_where_it_can_be_written_and_leaves_nothing_if_it_fails(
+    spm, tmp_path, monkeypatch
+):
+    """Minutes of work must not end at a folder that cannot be made."""
+    where, began = tmp_path / "here", []
+
+    def failing():
+        began.append(where.is_dir())
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(studies, "study_named", lambda name: failing)
+    assert spm("study", "couette", "--out", where)[0] == 4
+    assert began == [True] and not where.exists()
 
 
 def test_all_studies_have_a_folder_each(spm, found, tmp_path):
