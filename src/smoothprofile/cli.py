@@ -9,9 +9,21 @@ from typing import Annotated
 
 import typer
 
+from smoothprofile.arguments import (
+    CaseArgument,
+    Json,
+    JsonFile,
+    Retry,
+    RunArgument,
+    Settings,
+    Threads,
+    whole_number,
+)
+from smoothprofile.commands import Commands
 from smoothprofile.console import answer, check_free, exit_codes, print_json, print_table, say
 
 app = typer.Typer(
+    cls=Commands,
     help="Particles in incompressible flow by the smoothed profile method.",
     epilog="Begin with: spm cases, then spm run duct.",
     no_args_is_help=True,
@@ -19,28 +31,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     add_completion=False,
 )
-
-CaseArgument = Annotated[
-    str, typer.Argument(metavar="CASE", help="A TOML file, or a built-in case's name.")
-]
-Json = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
-JsonFile = Annotated[
-    Path | None, typer.Option("--out", metavar="FILE", help="Write the JSON object to a file.")
-]
-Settings = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set", metavar="TABLE.KEY=VALUE", help="Change the case. May be given many times."
-    ),
-]
-Retry = Annotated[
-    int,
-    typer.Option(metavar="N", min=0, help="After a blow-up go back and halve the step, N times."),
-]
-Threads = Annotated[
-    int | None,
-    typer.Option(metavar="N", help="Threads to use; if left out, what proves fastest."),
-]
 
 
 def _show_version(wanted: bool) -> None:
@@ -69,9 +59,9 @@ def cases_command(out: JsonFile = None, json: Json = False) -> None:
 
         entries = cases.list_cases()
         if answer({"cases": [entry._asdict() for entry in entries]}, json, out):
-            rows = [(entry.name, entry.description) for entry in entries]
-            print_table("Built-in cases", ("name", "what it is"), rows)
-            say("spm run NAME runs one; spm new NAME writes it out to edit.")
+            rows = [(entry.name, entry.takes, entry.description) for entry in entries]
+            print_table("Built-in cases", ("name", "takes", "what it is"), rows)
+            say("spm run NAME runs one; spm new NAME writes it out to edit. Times are of one core.")
 
 
 @app.command()
@@ -146,7 +136,7 @@ def run(
         from smoothprofile.running import start, start_or_go_on
 
         _use(threads)
-        if resume and out is not None:
+        if resume:
             start_or_go_on(case, set_ or [], out, json, retry)
             return
         check_free(out, "output directory")
@@ -155,7 +145,7 @@ def run(
 
 @app.command()
 def resume(
-    directory: Annotated[Path, typer.Argument(metavar="DIRECTORY", help="A run directory.")],
+    directory: RunArgument,
     retry: Retry = 0,
     threads: Threads = None,
     json: Json = False,
@@ -170,7 +160,7 @@ def resume(
 
 @app.command()
 def rerun(
-    directory: Annotated[Path, typer.Argument(metavar="DIRECTORY", help="A run directory.")],
+    directory: RunArgument,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIRECTORY", help="The new one; DIRECTORY-again if left out."),
@@ -189,7 +179,7 @@ def rerun(
 
 @app.command()
 def report(
-    directory: Annotated[Path, typer.Argument(metavar="DIRECTORY", help="A run directory.")],
+    directory: RunArgument,
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="The page to write; report.html there if left out."),
@@ -210,7 +200,7 @@ def report(
 
 @app.command()
 def film(
-    directory: Annotated[Path, typer.Argument(metavar="DIRECTORY", help="A run directory.")],
+    directory: RunArgument,
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="An .mp4 or .gif to write; film.mp4 there if left out."),
@@ -245,13 +235,15 @@ def study(
 ) -> None:
     """Repeat an experiment of the thesis: its numbers, the exact ones and ours."""
     with exit_codes(json):
-        from smoothprofile.studies import STUDIES, study_named
+        from smoothprofile.studies import STUDIES, TAKES, study_named
         from smoothprofile.studying import chosen, run_study
 
         if name == "list":
-            entries = [{"name": key, "description": text} for key, text in STUDIES.items()]
+            rows = [(key, TAKES[key], text) for key, text in STUDIES.items()]
+            heads = ("name", "takes", "description")
+            entries = [dict(zip(heads, row, strict=True)) for row in rows]
             if answer({"studies": entries}, json, out):
-                print_table("Studies", ("name", "what it is"), list(STUDIES.items()))
+                print_table("Studies", ("name", "takes", "what it is"), rows)
                 say("spm study NAME runs one; spm study all runs them all.")
             return
         names = chosen(name)
@@ -274,7 +266,8 @@ def bench(
     cells: Annotated[str, typer.Option(metavar="NX,NY,NZ", help="The grid.")] = "256,90,90",
     set_: Settings = None,
     threads: Annotated[
-        int | None, typer.Option(metavar="N", help="Threads to use; all if left out.")
+        int | None,
+        typer.Option(metavar="N", parser=whole_number(1), help="Threads to use; all if left out."),
     ] = None,
     out: JsonFile = None,
     json: Json = False,

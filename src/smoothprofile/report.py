@@ -83,10 +83,9 @@ def comparison(
 ) -> list[tuple[str, float, float, list[float | None]]]:
     """(quantity, this run, reference, other computations) for what run and reference share.
 
-    Of vectors, the component that is largest; of bodies, the first. The centre velocity is
-    |u − V| at its centre, which is zero for a rigid body; the peak speed is over its history. The
-    wall stress is the largest shear
-    force on a wall over the wall's area.
+    Of vectors, the component that is largest; of bodies, the first. The centre velocity is |u − V|
+    at its centre, which is zero for a rigid body; the peak speed is over its history. The wall
+    stress is the largest shear force on a wall over the wall's area.
     """
     measured = {}
     for body in record.summary.get("bodies", ())[:1]:

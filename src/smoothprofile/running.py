@@ -29,6 +29,8 @@ from smoothprofile.runs import Run, run_of
 from smoothprofile.safefiles import reason
 from smoothprofile.stops import Stops
 
+RUNS = "runs"
+"""Where a run directory is made if none is named."""
 UNBEGUN = {LOCK, "run.json", "run.json.new", "case.toml.new"}
 """What may be in a directory whose run had not begun."""
 ENDED = ("finished", "steady", "max_steps")
@@ -43,7 +45,7 @@ def start(case: str, settings: list[str], out: Path | None, json: bool, retry: i
         for row in checks:
             if row["verdict"] == "warn":
                 say(_warning(row))
-        path = out or next_free_directory("runs", Path(case).stem)
+        path = out or next_free_directory(RUNS, Path(case).stem)
         text = simulation.case.to_toml()
         directory = RunDirectory(path, text, checks, say, seeds)
         ended = _to_its_end(simulation, directory, watcher, retry)
@@ -55,19 +57,25 @@ def _warning(row: Check) -> str:
     return f"Note: {row['name']} is {row['value']:.3g}{beside}: {row['note']}."
 
 
-def start_or_go_on(case: str, settings: list[str], out: Path, json: bool, retry: int = 0) -> None:
-    """Run a case in a directory, or what is left of it if the directory is there.
+def start_or_go_on(
+    case: str, settings: list[str], out: Path | None, json: bool, retry: int = 0
+) -> None:
+    """Run a case in `out` (runs/CASE if None), or what is left of it if the directory is there.
 
     One in which a run was killed before it had written its case is begun anew. Nothing is left of a
     run that has ended, which is said and is no failure: a job may be queued again after its end.
     """
+    out = out or Path(RUNS, Path(case).stem)
     if out.is_dir() and not {entry.name for entry in out.iterdir()} - UNBEGUN:
         held = lock(out)
         for name in UNBEGUN - {LOCK}:
             (out / name).unlink(missing_ok=True)
         unlock(out, held)
         out.rmdir()
-    status = read_json(out / "run.json").get("status") if (out / "case.toml").is_file() else None
+    status = None
+    if (out / "case.toml").is_file():
+        _check_same(case, settings, out)
+        status = read_json(out / "run.json").get("status")
     if status in ENDED:
         if json:
             print_json({**read_json(out / "summary.json"), "directory": str(out)})
@@ -76,6 +84,16 @@ def start_or_go_on(case: str, settings: list[str], out: Path, json: bool, retry:
         go_on(out, json, retry)
     else:
         start(case, settings, out, json, retry)
+
+
+def _check_same(case: str, settings: list[str], out: Path) -> None:
+    """CaseError if a directory holds the run of another case, which would else go on unnoticed."""
+    if load_case(case, settings) != load_case(out / "case.toml"):
+        what = f"{case} with these settings" if settings else case
+        raise CaseError(
+            f"{out} holds the run of another case than {what}; take another directory, or go on "
+            f"with that run by spm resume {out}."
+        )
 
 
 def go_on(path: Path, json: bool, retry: int = 0) -> None:
@@ -106,7 +124,9 @@ def repeat(path: Path, out: Path | None, json: bool) -> None:
         simulation = run_of(case)
         new = out or next_free_directory(path.parent, f"{path.name}-again")
         directory = RunDirectory(new, simulation.case.to_toml(), simulation.preflight(), say)
-        ended = _run(simulation, directory, watcher, plan=plan_of(read_json(path / "summary.json")))
+        plan = plan_of(read_json(path / "summary.json"))
+        with Stops(None, say) as stops:
+            ended = _run(simulation, directory, watcher, stops, plan=plan)
     if isinstance(ended, BaseException):
         leave(ended, json, new, _report(new))
     found = compared(path, new)
@@ -136,9 +156,17 @@ def taken_up(path: Path, tell: Callable[[str], None]) -> tuple[Run, RunDirectory
 def _to_its_end(simulation: Run, directory: RunDirectory, watcher: Watcher, retry: int) -> Any:
     """The summary, or what broke the run off; after a blow-up it goes back, `retry` times at most.
 
-    A retry that blows up no later than the one before goes back by one more checkpoint.
+    A retry that blows up no later than the one before goes back by one more checkpoint. The limit
+    of wall-clock time is for all of them together.
     """
-    ended, farthest = _run(simulation, directory, watcher, retry > 0), (0, 0.0)
+    with Stops(simulation.case.output.stop_after, say) as stops:
+        return _with_retries(simulation, directory, watcher, stops, retry)
+
+
+def _with_retries(
+    simulation: Run, directory: RunDirectory, watcher: Watcher, stops: Stops, retry: int
+) -> Any:
+    ended, farthest = _run(simulation, directory, watcher, stops, retry > 0), (0, 0.0)
     for _ in range(retry):
         if not can_be_retried(simulation, ended):
             break
@@ -153,7 +181,7 @@ def _to_its_end(simulation: Run, directory: RunDirectory, watcher: Watcher, retr
         except (CaseError, OutputError) as error:
             say(f"It cannot be tried again: {error}")
             break
-        ended = _run(simulation, directory, watcher, True)
+        ended = _run(simulation, directory, watcher, stops, True)
     else:
         path = directory.path
         if would_go_back(simulation, path, ended):
@@ -165,6 +193,7 @@ def _run(
     simulation: Run,
     directory: RunDirectory,
     watcher: Watcher,
+    stops: Stops,
     to_go_back: bool = False,
     plan: Sequence[dict] = (),
 ) -> Any:
@@ -172,30 +201,28 @@ def _run(
 
     to_go_back: with a checkpoint after the first step too. plan: where Δt is changed.
     """
-    limit = simulation.case.output.stop_after
-    with Stops(limit, say) as stops:
 
-        def observe(running: Run) -> None:
-            watcher(running)
-            if running is simulation:
-                directory.record(running)
-            if running.status != "running":
-                return
-            if reason := stops.reason():
-                _stop(simulation, directory, f"Stopped by {reason} at t = {running.time:.6g}")
-            directory.checkpoint_if_due(simulation, now=to_go_back and running.steps == 1)
-            due_changes(simulation, running, plan)
+    def observe(running: Run) -> None:
+        watcher(running)
+        if running is simulation:
+            directory.record(running)
+        if running.status != "running":
+            return
+        if reason := stops.reason():
+            _stop(simulation, directory, f"Stopped by {reason} at t = {running.time:.6g}")
+        directory.checkpoint_if_due(simulation, now=to_go_back and running.steps == 1)
+        due_changes(simulation, running, plan)
 
-        try:
-            with directory:
-                if plan and not simulation.case.start:
-                    due_changes(simulation, simulation, plan)
-                _watched(simulation, directory, observe)
-                return directory.finish(simulation)
-        except OutputError as error:
-            return OutputError(f"{str(error).rstrip('.')}; {_goes_on(directory)}.")
-        except (BlowUpError, KeyboardInterrupt, StoppedError) as error:
-            return error
+    try:
+        with directory:
+            if plan and not simulation.case.start:
+                due_changes(simulation, simulation, plan)
+            _watched(simulation, directory, observe)
+            return directory.finish(simulation)
+    except OutputError as error:
+        return OutputError(f"{str(error).rstrip('.')}; {_goes_on(directory)}.")
+    except (BlowUpError, KeyboardInterrupt, StoppedError) as error:
+        return error
 
 
 def _watched(simulation: Run, directory: RunDirectory, observe: Callable[[Run], None]) -> None:

@@ -39,6 +39,8 @@ def read_run(path: Path | str) -> RunRecord:
         raise CaseError(f"{path} is not a run directory: it holds no case.toml.")
     try:
         return _record(path)
+    except CaseError:
+        raise
     except (ValueError, BadZipFile) as error:
         raise CaseError(f"a file in {path} is damaged: {error}.") from error
 
@@ -75,5 +77,8 @@ def _curve(rows: list[dict[str, str]]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """The object in a JSON file; empty if there is none."""
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    """The object in a JSON file; empty if there is none. CaseError if it is damaged."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    except ValueError as error:
+        raise CaseError(f"{path} is damaged: {error}.") from error

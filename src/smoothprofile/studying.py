@@ -23,8 +23,14 @@ def run_study(name: str, out: Path | None, json: bool) -> dict:
     """Run one study into a directory, tell what it found, and return that as plain data."""
     if not json:
         say(f"Running {name} …")
-    done = studies.study_named(name)()
     directory = out or next_free_directory("studies", name)
+    # Before a study takes its minutes, so that they are not lost where nothing can be written.
+    directory.mkdir(parents=True)
+    try:
+        done = studies.study_named(name)()
+    except BaseException:
+        directory.rmdir()
+        raise
     report = write_study(done, directory)
     if not json:
         # Remarks would leave the numbers no room on a terminal: they follow, and are in the report.

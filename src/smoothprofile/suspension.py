@@ -17,6 +17,7 @@ import numpy as np
 from smoothprofile import calibration, wall_stress
 from smoothprofile.assembly import build_flow, build_grid, starting_state
 from smoothprofile.config import Case, body_shape, load_case
+from smoothprofile.config.refusals import Refusal
 from smoothprofile.distances import SPHERE
 from smoothprofile.errors import CaseError
 from smoothprofile.flow.state import fluid_at_rest
@@ -219,8 +220,8 @@ def _check(case: Case) -> None:
     if case.fluid is None:
         raise CaseError("fluid is missing; an effective viscosity needs [fluid].")
     if not all(case.domain.periodic):
-        kinds = case.domain.boundaries
-        raise CaseError(f"domain.boundaries is {kinds}; a mean strain needs a periodic box.")
+        allowed = "a mean strain needs a periodic box"
+        raise Refusal("domain.boundaries", case.domain.boundaries, allowed)
     if not case.particles:
         raise CaseError(
             "particles is empty; without bodies the effective viscosity is the fluid's."

@@ -24,6 +24,7 @@ from smoothprofile.config.values import (
     Positive,
     Table,
     is_finite,
+    known,
 )
 from smoothprofile.profiles import PROFILES
 from smoothprofile.schemes import SCHEMES
@@ -43,19 +44,10 @@ def _step(value: Any) -> float | str:
     raise ValueError("no such step")
 
 
-def _known(names: Any) -> PlainValidator:
-    def check(value: Any) -> str:
-        if not isinstance(value, str) or value not in names:
-            raise ValueError("no such name")
-        return value
-
-    return PlainValidator(check)
-
-
 class Profile(Table):
     """[profile]: the indicator function, its thickness ξ, and how surfaces are moved for it."""
 
-    kind: Annotated[str, _known(PROFILES)] = Field(
+    kind: Annotated[str, known(PROFILES)] = Field(
         "tanh", description=f"one of {', '.join(PROFILES)}"
     )
     thickness: Positive = Field(description=POSITIVE)
@@ -73,7 +65,7 @@ class Time(Table):
     step: Annotated[float | str, PlainValidator(_step)] = Field(
         "auto", description='"auto" or a finite number above 0'
     )
-    scheme: Annotated[str, _known(SCHEMES)] = Field(
+    scheme: Annotated[str, known(SCHEMES)] = Field(
         "backward-euler", description=f"one of {', '.join(SCHEMES)}"
     )
     coupling: Literal["incremental", "thesis"] = Field(
@@ -213,16 +205,18 @@ class Case(Table):
 
     def _check_still(self) -> None:
         """Refusal of what moves, in a case of a field alone."""
-        for key, value in (
-            ("profile.thickness", self.profile and self.profile.thickness),
-            ("time.end", self.time and self.time.end),
-            ("start.0.cells", self.start and self.start[0].cells),
-            ("output.lines.0.name", self.output.lines and self.output.lines[0].name),
-            ("output.wall_line.wall", self.output.wall_line and self.output.wall_line.wall),
+        output, usual = self.output, Contact()
+        for key, value, what in (
+            ("profile.thickness", self.profile and self.profile.thickness, "profile"),
+            ("time.end", self.time and self.time.end, "time"),
+            ("start.0.cells", self.start and self.start[0].cells, "start"),
+            ("output.lines.0.name", output.lines and output.lines[0].name, "output.lines"),
+            ("output.wall_line.wall", output.wall_line and output.wall_line.wall, "flow at walls"),
+            ("output.fields_every", output.fields_every, "time"),
+            *((f"contact.{k}", v, "contact") for k, v in self.contact if v != getattr(usual, k)),
         ):
             if value:
-                table = ".".join(part for part in key.split(".")[:-1] if part != "0")
-                raise Refusal(key, value, f"a case without [fluid] has no {table}")
+                raise Refusal(key, value, f"a case without [fluid] has no {what}")
         for number, particle in enumerate(self.particles):
             if particle.motion != "held":
                 allowed = 'bodies of a case without [fluid] are "held"'

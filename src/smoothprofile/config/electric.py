@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from smoothprofile.config.domain import Domain
 from smoothprofile.config.particle import Particle
@@ -22,6 +22,7 @@ from smoothprofile.config.values import (
     Positive,
     Table,
     Vector,
+    known,
 )
 from smoothprofile.profiles import PROFILES
 
@@ -29,12 +30,6 @@ ELECTRODES = 'a table such as { axis = "z", low = 0, high = 1 }'
 SPECTRAL = "fourier"
 LARGEST_RATIO = 1e9
 """Of permittivities, either way round; beyond it no painted radius can be found."""
-
-
-def _profile(value: Any) -> str:
-    if not isinstance(value, str) or value not in PROFILES:
-        raise ValueError("no such profile")
-    return value
 
 
 def has_edges(particle: Particle) -> bool:
@@ -75,7 +70,7 @@ class Electric(Table):
     smoothing: Literal["auto", "tensor", "harmonic", "arithmetic"] = Field(
         description='"auto", "tensor", "harmonic" or "arithmetic"'
     )
-    profile: Annotated[str, PlainValidator(_profile)] = Field(
+    profile: Annotated[str, known(PROFILES)] = Field(
         "tanh", description=f"one of {', '.join(PROFILES)}"
     )
     thickness: Positive | None = Field(None, description=POSITIVE)
@@ -160,6 +155,9 @@ class Electric(Table):
         if not flows and self.angular_frequency is not None:
             allowed = "a case without [fluid] is one field that does not change"
             raise Refusal("electric.angular_frequency", self.angular_frequency, allowed)
+        if flows and self.effective:
+            allowed = "it takes a field of its own, and a case with [fluid] has none for it"
+            raise Refusal("electric.effective", True, allowed)
         if not flows and self.every > 1:
             raise Refusal("electric.every", self.every, "a case without [fluid] has no steps")
         if flows and self.discretisation == SPECTRAL:

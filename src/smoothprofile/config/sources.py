@@ -17,7 +17,7 @@ from smoothprofile.config.domain import Domain
 from smoothprofile.config.files import located, read_bodies
 from smoothprofile.config.particle import SOURCE_KEYS, Particle, build_shape
 from smoothprofile.config.radii import read_radii
-from smoothprofile.config.randomly import place_randomly
+from smoothprofile.config.randomly import MOST_BODIES, place_randomly
 from smoothprofile.config.refusals import Refusal, explain
 from smoothprofile.config.tables import Lattice, RandomPacking
 from smoothprofile.config.values import AXES
@@ -25,7 +25,6 @@ from smoothprofile.errors import CaseError
 from smoothprofile.packing import BASES, lattice
 from smoothprofile.triangles import SurfaceError, digest_of
 
-MOST_BODIES = 100_000
 NINE_DIGITS = 1e-9
 """Spacings are typed or computed: nine digits are enough to fill the domain."""
 KEY = re.compile(r"\bparticles\.(\d+)")

@@ -1,5 +1,6 @@
 """Tables that stand for many bodies: lattices, random packings and spreads of radii."""
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, model_validator
@@ -21,6 +22,8 @@ from smoothprofile.config.values import (
 )
 from smoothprofile.packing import DENSEST
 
+LEAST_SHARE = 0.01
+"""Of a distribution that its ends leave: what lies beyond them is drawn in vain."""
 LATTICE = 'a table such as { kind = "fcc", counts = [4, 4, 4] }'
 RANDOM = "a table such as { count = 100, seed = 1 }"
 CSV = "the path of a CSV file in quotes"
@@ -123,7 +126,23 @@ class Spread(Table):
             raise Refusal("smallest", low, f"it must be below the largest, {high:g}")
         if not low < self.mean < high:
             raise Refusal("mean", self.mean, f"it must lie between {low:g} and {high:g}")
+        if self._share_between(low, high) < LEAST_SHARE:
+            allowed = (
+                f"less than {100 * LEAST_SHARE:g} % of what is drawn lies between {low:g} and "
+                f"{high:g}; take a smaller one, or other ends"
+            )
+            raise Refusal("deviation", self.deviation, allowed)
         return self
+
+    def _share_between(self, low: float, high: float) -> float:
+        """How much of the whole distribution lies between two radii."""
+        if self.kind == "normal":
+            middle, width, ends = self.mean, self.deviation, (low, high)
+        else:
+            width = math.sqrt(math.log1p((self.deviation / self.mean) ** 2))
+            middle, ends = math.log(self.mean) - 0.5 * width**2, (math.log(low), math.log(high))
+        first, last = (math.erf((end - middle) / (width * math.sqrt(2.0))) for end in ends)
+        return 0.5 * (last - first)
 
 
 class Sizes(Table):
@@ -139,6 +158,7 @@ class Sizes(Table):
     @model_validator(mode="after")
     def _pair_up(self) -> "Sizes":
         if len(self.sizes) != len(self.shares):
-            allowed = f"it must be {len(self.sizes)} numbers, one for each of sizes"
+            count = f"{len(self.sizes)} number{'' if len(self.sizes) == 1 else 's'}"
+            allowed = f"it must be {count}, one for each of sizes"
             raise Refusal("shares", self.shares, allowed)
         return self

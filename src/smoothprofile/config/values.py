@@ -1,6 +1,7 @@
 """What the tables of a case are made of: strict tables, and the kinds of value they hold."""
 
 import math
+from collections.abc import Collection
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
@@ -64,7 +65,21 @@ class SignalTable(Table):
     def _moves_or_not(self) -> "SignalTable":
         if any(self.amplitude) and self.angular_frequency is None:
             raise Refusal("angular_frequency", MISSING, "an amplitude needs one, above 0")
+        for key in ("angular_frequency", "phase"):
+            if key in self.model_fields_set and "amplitude" not in self.model_fields_set:
+                raise Refusal(key, getattr(self, key), "without an amplitude it does nothing")
         return self
+
+
+def known(names: Collection[str]) -> PlainValidator:
+    """A check that a value is one of the names."""
+
+    def check(value: Any) -> str:
+        if not isinstance(value, str) or value not in names:
+            raise ValueError("no such name")
+        return value
+
+    return PlainValidator(check)
 
 
 def is_vector(value: Any) -> bool:

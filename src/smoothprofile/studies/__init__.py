@@ -24,6 +24,23 @@ STUDIES: dict[str, str] = {
 }
 """Name -> what it is about. The function `run` of the file of that name does it."""
 
+TAKES: dict[str, str] = {
+    "couette": "about 20 s",
+    "stokes-layer": "about 20 s",
+    "dipole": "about 10 s",
+    "sphere-force": "about 10 s",
+    "lattice": "about 1 min",
+    "profiles": "about 3 min",
+    "viscosity": "about 30 s",
+    "dns": "about 2 min",
+    "smoothed-viscosity": "about 20 s",
+    "refinement": "about 2 min",
+    "methods": "about 1 min",
+    "mason": "some minutes",
+}
+"""Name -> how long it took: what is solved in one dimension and `profiles` on one core, the rest
+on two to four."""
+
 NEEDS: dict[str, str] = {"dns": "ngsolve"}
 """Name -> the package that it needs beside those of the program."""
 

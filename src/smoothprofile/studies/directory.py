@@ -6,13 +6,14 @@ from pathlib import Path
 
 from smoothprofile import webpage
 from smoothprofile.jsontext import to_json
-from smoothprofile.studies.study import HEADS, NEW, Row, Study
+from smoothprofile.studies.study import AGREES, HEADS, NEW, Row, Study
 
 
 def write_study(study: Study, directory: Path) -> Path:
     """table.csv, a CSV file for each set of curves, figures/*.png, study.json and report.html.
 
-    The directory is made; FileExistsError if it is there. Returns the report's path.
+    The directory is made if need be; FileExistsError if it holds figures already. Returns the
+    report's path.
     """
     (directory / "figures").mkdir(parents=True)
     _write_csv(directory / "table.csv", HEADS, [row.cells() for row in study.rows])
@@ -66,7 +67,7 @@ def _text(cell: float | str | None, digits: int) -> str:
 
 def _page(study: Study) -> str:
     compared = [row for row in study.rows if row.verdict != NEW]
-    agreeing = sum(row.verdict == "agrees" for row in compared)
+    agreeing = sum(row.verdict == AGREES for row in compared)
     verdict = webpage.badge(
         "ok" if study.agrees else "failed", f"{agreeing} of {len(compared)} numbers agree"
     )
