@@ -29,7 +29,13 @@ from numba import njit
 from smoothprofile.grid import Grid
 from smoothprofile.particles.bodies import Forms
 from smoothprofile.particles.contact import Contact, ContactParameters
-from smoothprofile.particles.contact_hits import drag_apart, keep_within_walls, push, stop
+from smoothprofile.particles.contact_hits import (
+    drag_apart_all,
+    keep_within_walls,
+    push_all,
+    stop,
+    stop_all,
+)
 from smoothprofile.particles.contact_sweep import (
     MassTable,
     drift,
@@ -97,18 +103,15 @@ def creep(
         speed_up(0.5 * h, n, course, s)
         for c in range(met):
             least = min(least, hits.gap[c])
-            push(c, h, hits, masses, box, law, s)
+        push_all(met, h, hits, masses, box, law, s)
         _squeeze(met, h, hits, masses, law, s, mu, film, work)
-        for c in range(met):
-            a, b = hits.radius[c, 0], hits.radius[c, 1]
-            if law.viscosity > 0.0 and a > 0.0:
-                drag_apart(c, h, hits, masses, box, law, s, a, b)
-        for c in range(met):
-            stop(c, h, hits, masses, box, law, s, True)
+        if law.viscosity > 0.0:
+            drag_apart_all(met, h, hits, masses, box, law, s)
+        stop_all(met, h, hits, masses, box, law, s)
         for sweep in range(STOPS):
             for c in range(met):
-                stop(met - 1 - c if sweep % 2 == 0 else c, h, hits, masses, box, law, s, False)
-        keep_within_walls(met, h, hits, masses, box, law, s)
+                stop(met - 1 - c if sweep % 2 == 0 else c, h, hits, masses, box, s)
+        keep_within_walls(met, h, hits, masses, box, s)
         drift(h, n, s)
     return count + 1, least
 

@@ -21,9 +21,9 @@ from smoothprofile.particles.contact_gap import feature_gap, part_gap
 from smoothprofile.particles.contact_hits import (
     inverse_mass,
     keep_within_walls,
-    lubricate,
-    push,
-    stop,
+    lubricate_all,
+    push_all,
+    stop_all,
 )
 from smoothprofile.particles.rigid import rotation_matrix
 
@@ -101,7 +101,7 @@ class Hits(NamedTuple):
     other_arm: np.ndarray
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def sweep(first, count, dt, rows, start, built, slack, cutoff, parts, masses, box, law, course, s):
     """Sub-steps `first` … `count`, the last of which only pushes, or until a part has moved by
     `slack` since the rows were `built`; returns the next sub-step and the least gap met."""
@@ -116,22 +116,19 @@ def sweep(first, count, dt, rows, start, built, slack, cutoff, parts, masses, bo
         met = meet(rows, start, max(cutoff, 2.0 * fastest * h), parts, masses, box, s, hits)
         for c in range(met):
             least = min(least, hits.gap[c])
-            push(c, weight * h, hits, masses, box, law, s)
+        push_all(met, weight * h, hits, masses, box, law, s)
         if k == count:
             break
         speed_up(0.5 * h, n, course, s)
-        for c in range(met):
-            a, b = hits.radius[c, 0], hits.radius[c, 1]
-            if law.viscosity > 0.0 and a > 0.0:
-                lubricate(c, h, hits, masses, box, law, s, a, b)
-        for c in range(met):
-            stop(c, h, hits, masses, box, law, s, True)
-        keep_within_walls(met, h, hits, masses, box, law, s)
+        if law.viscosity > 0.0:
+            lubricate_all(met, h, hits, masses, box, law, s)
+        stop_all(met, h, hits, masses, box, law, s)
+        keep_within_walls(met, h, hits, masses, box, s)
         drift(h, n, s)
     return count + 1, least
 
 
-@njit
+@njit(error_model="numpy")
 def room_for(size):
     """Hits of as many pairs, with anything in them."""
     return Hits(
@@ -140,7 +137,7 @@ def room_for(size):
     )  # fmt: skip
 
 
-@njit
+@njit(error_model="numpy")
 def set_out(t, dt, n, masses, course, s):
     """Places and velocities at t, J⁻¹ in space; returns the fastest speed."""
     fastest = 0.0
@@ -173,7 +170,7 @@ def set_out(t, dt, n, masses, course, s):
     return fastest
 
 
-@njit
+@njit(error_model="numpy")
 def place_parts(parts, s, built):
     """Centres and frames of all parts; returns how far the farthest has moved since `built`."""
     farthest = 0.0
@@ -203,7 +200,7 @@ def place_parts(parts, s, built):
     return math.sqrt(farthest)
 
 
-@njit
+@njit(error_model="numpy")
 def meet(rows, start, reach, parts, masses, box, s, hits):
     """Fill `hits` with the candidates whose gap is less than `reach`; returns how many."""
     met = 0
@@ -256,7 +253,7 @@ def meet(rows, start, reach, parts, masses, box, s, hits):
     return met
 
 
-@njit
+@njit(error_model="numpy")
 def _note_radii(p, o, parts, radius):
     flat = o < 0 or parts.kind[o] == PLANE
     both = parts.kind[p] == SPHERE and (flat or parts.kind[o] == SPHERE)
@@ -264,7 +261,7 @@ def _note_radii(p, o, parts, radius):
     radius[1] = np.inf if flat else parts.size[o, 0]
 
 
-@njit
+@njit(error_model="numpy")
 def speed_up(h, n, course, s):
     for b in range(n):
         for d in range(3):
@@ -272,7 +269,7 @@ def speed_up(h, n, course, s):
             s.spin[b, d] += h * course.spin_rate[b, d]
 
 
-@njit
+@njit(error_model="numpy")
 def drift(h, n, s):
     for b in range(n):
         for d in range(3):
