@@ -85,9 +85,8 @@ def settle(flow: Flow, particles: Particles, step: Step) -> None:
     """Free bodies find their velocities, and the mean is held that the impulse will leave."""
 
     def mean(field, axis, is_velocity):
-        return flow.mean_flow.plain_mean(field, axis) + particles.added_mean(
-            field, axis, is_velocity
-        )
+        plain = flow.mean_flow.plain_mean(field, axis, is_velocity)
+        return plain + particles.added_mean(field, axis, is_velocity)
 
     particles.settle(step.velocity, step.scheme, step.dt)
     flow.hold_mean(step, mean)

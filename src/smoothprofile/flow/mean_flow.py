@@ -9,6 +9,7 @@ mean, so that it is exactly U after the step.
 from collections.abc import Callable
 
 import numpy as np
+from numba import njit, prange
 
 from smoothprofile.grid import Grid
 from smoothprofile.staggered import volume_mean
@@ -25,6 +26,7 @@ class MeanFlow:
         self.targets = {d: U for d, U in enumerate(targets) if U is not None}
         self._viscosity = viscosity
         self._response: dict[int, np.ndarray] = {}
+        self._response_mean: dict[int, float] = {}
         self._key = None
         self.force = np.zeros(3)
 
@@ -36,6 +38,7 @@ class MeanFlow:
             w = self._response.setdefault(d, self.grid.zeros())
             w[1:-1, 1:-1, 1:-1] = step
             self._viscosity[d].solve(w, implicit, _AT_REST)
+            self._response_mean[d] = volume_mean(self.grid, w, d)
         self._key = (implicit, step)
 
     def hold(self, velocity: tuple, mean: Mean | None = None) -> None:
@@ -47,7 +50,7 @@ class MeanFlow:
         mean = mean or self.plain_mean
         for d, target in self.targets.items():
             g = (target - mean(velocity[d], d, True)) / mean(self._response[d], d, False)
-            velocity[d][...] += velocity[d].dtype.type(g) * self._response[d]
+            _add(velocity[d], velocity[d].dtype.type(g), self._response[d])
             self.force[d] = g
 
     def added(self) -> list[tuple[int, np.ndarray]]:
@@ -55,5 +58,14 @@ class MeanFlow:
         return [(d, self._response[d]) for d in self.targets]
 
     def plain_mean(self, field: np.ndarray, axis: int, is_velocity: bool = True) -> float:
-        """Volume mean of a field that lies where velocity component `axis` does."""
-        return volume_mean(self.grid, field, axis)
+        """Volume mean of a field that lies where velocity component `axis` does.
+
+        Of anything but a velocity it is that of w, which stays the same from step to step.
+        """
+        return volume_mean(self.grid, field, axis) if is_velocity else self._response_mean[axis]
+
+
+@njit(parallel=True, cache=True)
+def _add(field, factor, other):
+    for i in prange(field.shape[0]):
+        field[i] += factor * other[i]
