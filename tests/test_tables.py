@@ -65,3 +65,26 @@ def test_the_units_of_the_numbers_are_told(units, told):
 def test_a_warning_has_a_limit_beside_it_where_there_is_one(limit, told):
     row = {"name": "time step", "value": 0.4, "limit": limit, "verdict": "warn", "note": "a remark"}
     assert _warning(row) == told
+
+
+def test_micrometres_in_metres_are_no_round_off():
+    """A bead of .04 pN, in units where forces are 1e-14."""
+    case = {
+        "domain": {"lengths": [8e-6] * 3, "cells": [12] * 3, "boundaries": ["periodic"] * 3},
+        "fluid": {
+            "density": 1e3,
+            "viscosity": 1e-3,
+            "gravity": [0.0, 0.0, -9.81],
+            "mean_velocity": {"x": 0.0, "y": 0.0, "z": 0.0},
+        },
+        "profile": {"thickness": 8e-7},
+        "particles": [
+            {"shape": "sphere", "radius": 2e-6, "position": [4e-6] * 3, "motion": "free"}
+            | {"density": 2e3}
+        ],
+        "time": {"end": 1e-5, "step": 1e-6},
+    }
+    table = table_of(case)
+    force = table["force on sphere"][0].strip("()").split(", ")
+    assert force[:2] == ["0", "0"] and 0.0 < float(force[2]) < 1e-12
+    assert table["torque on sphere"][0] == "(0, 0, 0)"

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from smoothprofile.stokes_simulation import StokesSimulation
     from smoothprofile.views import FlowViews
 
+Shown = Callable[[str, np.ndarray], str]
+"""(kind, vector) -> in words."""
+
+ROUND_OFF = 1e-12
 MOST_BODIES = 6
 FEW_BODIES = 3
 """Up to so many stand before what is true of all together."""
@@ -35,10 +39,10 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
         acts = f"{side} {abs(shift):.4f} ξ" if shift else "acts where it is painted"
         note = f"best {pairing.best_ratio:.4f}; a flat wall {acts}"
         rows.append(("√(νΔt)/ξ", f"{pairing.ratio:.4f}", note))
-    vector = _vector if run.case.units is None else _relative
+    vector = _shown_of(run)
     rest = _of_all(run, summary, vector)
     if run.flow.mean_flow.targets:
-        rest.append(("driving force", vector(run.driving_force), "per unit volume"))
+        rest.append(("driving force", vector("drive", run.driving_force), "per unit volume"))
     rest += [
         *_numbers(number_rows(run.case, fastest(run))),
         ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
@@ -51,7 +55,7 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
 def stokes_table(run: "StokesSimulation") -> list[tuple[str, str, str]]:
     """The result of a run without inertia as rows quantity, value, note, for people."""
     summary, report = run.summary(), run.flow.report
-    vector = _vector if run.case.units is None else _relative
+    vector = _shown_of(run)
     went = f"{run.steps} steps to t = {run.time:.6g}" if run.steps else "nothing moves"
     solved = f"residual {report.residual:.2g}, of the last flow"
     rows = [
@@ -61,7 +65,7 @@ def stokes_table(run: "StokesSimulation") -> list[tuple[str, str, str]]:
     ]
     rest = [
         *_of_all(run, summary, vector),
-        ("driving force", vector(run.driving_force), "per unit volume"),
+        ("driving force", vector("drive", run.driving_force), "per unit volume"),
         *_numbers(number_rows(run.case, fastest(run))),
         ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
         ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
@@ -74,7 +78,7 @@ def _in_order(head: list, bodies: list, rest: list, count: int) -> list[tuple[st
     return [*head, *rest, *bodies] if count > FEW_BODIES else [*head, *bodies, *rest]
 
 
-def _of_bodies(run: "FlowViews", vector: Callable) -> list[tuple[str, str, str]]:
+def _of_bodies(run: "FlowViews", vector: Shown) -> list[tuple[str, str, str]]:
     """What a run of a fluid says of its first bodies."""
     bodies, each = run.particles, []
     for body, particle in zip(bodies[:MOST_BODIES], run.case.particles, strict=False):
@@ -84,12 +88,12 @@ def _of_bodies(run: "FlowViews", vector: Callable) -> list[tuple[str, str, str]]
     return each
 
 
-def _of_all(run: "FlowViews", summary: dict, vector: Callable) -> list[tuple[str, str, str]]:
+def _of_all(run: "FlowViews", summary: dict, vector: Shown) -> list[tuple[str, str, str]]:
     """What a run of a fluid says of its suspension and of the walls, as a whole."""
     rows, bodies = _of_units(run.case) + _of_permittivity(run.case), run.bodies.state
     if len(bodies.velocity) > MOST_BODIES:
         note = f"of all {len(bodies.velocity)} bodies"
-        rows.append(("mean velocity", vector(bodies.velocity.mean(axis=0)), note))
+        rows.append(("mean velocity", vector("velocity", bodies.velocity.mean(axis=0)), note))
     if "apparent_viscosity" in summary:
         note = "stress on the walls over the rate of shear"
         rows.append(("apparent viscosity", f"{summary['apparent_viscosity']:.6g}", note))
@@ -97,7 +101,8 @@ def _of_all(run: "FlowViews", summary: dict, vector: Callable) -> list[tuple[str
         note = f"beads; the longest has {summary['longest_chain']}"
         rows.append(("mean chain length", f"{summary['mean_chain_length']:.4g}", note))
     if len(summary["wall_force"]) > 1:
-        rows.append(("force on the walls", vector(summary["wall_force"]["total"]), "of the fluid"))
+        total = vector("force", summary["wall_force"]["total"])
+        rows.append(("force on the walls", total, "of the fluid"))
     return rows
 
 
@@ -174,30 +179,52 @@ def _numbers(rows: list[tuple[str, float, str]]) -> list[tuple[str, str, str]]:
     return [(name, f"{value:.6g}", note) for name, value, note in rows]
 
 
-def _of_body(body: dict, free: bool, vector: Callable) -> list[tuple[str, str, str]]:
+def _of_body(body: dict, free: bool, vector: Shown) -> list[tuple[str, str, str]]:
     name, inside = body["name"], body["interior_velocity"] - body["velocity"]
-    rows = [
-        (f"force on {name}", vector(body["force"]), "of the fluid"),
-        (f"torque on {name}", vector(body["torque"]), "of the fluid, about its position"),
-        (f"surface of {name}", f"{body['painted_offset']:+.5g}", "painted outward by"),
+    told = [
+        ("force", "force on", "of the fluid"),
+        ("torque", "torque on", "of the fluid, about its position"),
     ]
     if free:
-        rows.insert(0, (f"velocity of {name}", vector(body["velocity"]), "at the end"))
-        rows.insert(1, (f"spin of {name}", vector(body["angular_velocity"]), "at the end"))
-        rows.insert(2, (f"place of {name}", vector(body["position"]), "its centre of mass"))
+        told = [
+            ("velocity", "velocity of", "at the end"),
+            ("angular_velocity", "spin of", "at the end"),
+            ("position", "place of", "its centre of mass"),
+            *told,
+        ]
+    rows = [(f"{words} {name}", vector(key, body[key]), note) for key, words, note in told]
+    offset = f"{body['painted_offset']:+.5g}"
+    rows.append((f"surface of {name}", offset, "painted outward by"))
     if body["shape"] != "plane":
         slip = f"{np.linalg.norm(inside):.3g}"
         rows.append((f"slip inside {name}", slip, "at its centre; 0 is exact"))
     return rows
 
 
-def _vector(values: np.ndarray, faint: float = 5e-13) -> str:
+def _shown_of(run: "FlowViews") -> Shown:
+    """How vectors of a kind are shown, those of round-off as 0: against the largest of the run."""
+    drive = run.driving_force * run.grid.volume
+    forces = [drive, *run.bodies.state.force, *run.wall_force.values()]
+    length = max(run.grid.lengths)
+    forces += [torque / length for torque in run.bodies.state.torque]
+    force = max(float(np.linalg.norm(f)) for f in forces)
+    speed = max(run.extremes.speed)
+    largest = {
+        "force": force,
+        "torque": force * length,
+        "drive": force / run.grid.volume,
+        "velocity": speed,
+        "angular_velocity": speed / length,
+        "position": length,
+    }
+    return lambda kind, values: _vector(values, ROUND_OFF * largest[kind])
+
+
+def _vector(values: np.ndarray, faint: float | None = None) -> str:
+    """Components below `faint` are 0; if it is left out, those that vanish beside the largest."""
+    if faint is None:
+        faint = ROUND_OFF * float(np.abs(values).max())
     return "(" + ", ".join(f"{0.0 if abs(v) < faint else v:.6g}" for v in values) + ")"
-
-
-def _relative(values: np.ndarray) -> str:
-    """In physical units, where forces of 1e-12 are no round-off."""
-    return _vector(values, 1e-9 * float(np.abs(values).max()))
 
 
 def _limit(step: float) -> str:
