@@ -280,13 +280,17 @@ def test_curve_difference_finds_the_largest_and_skips_what_is_outside():
         (None, "–"),
         ([1.0, -2.0, None], "(1, −2, –)"),
         ([163.3, 8e-15, -3e-8], "(163.3, 0, 0)"),
-        ([2e-14, 0.0, -4e-13], "(0, 0, 0)"),
+        ([2e-14, 0.0, -4e-13], "(2e−14, 0, −4e−13)"),
         ("auto", "auto"),
         (True, "True"),
     ],
 )
 def test_numbers_are_written_for_people(value, text):
     assert webpage.number(value) == text
+
+
+def test_vectors_are_round_off_beside_larger_ones_of_their_kind():
+    assert webpage.number([2e-14, 0.0, -4e-13], 1e-3) == "(0, 0, 0)"
 
 
 def test_a_run_that_broke_off_still_has_a_report(tmp_path):

@@ -1,6 +1,6 @@
 """The report of a run: one HTML file that needs nothing else, rebuilt from the run directory."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -259,8 +259,12 @@ def _preliminary(record: RunRecord) -> str:
 def _bodies(record: RunRecord) -> str:
     bodies = record.summary.get("bodies", ())
     quantities = [name for name in BODY_QUANTITIES if bodies and name in bodies[0]]
+    largest = {name: _largest(body.get(name) for body in bodies) for name in quantities}
+    if {"force", "torque"} <= largest.keys():
+        turning = largest["force"] * max(record.case["domain"]["lengths"])
+        largest["torque"] = max(largest["torque"], turning)
     rows = [
-        (body["name"], *(webpage.number(body.get(quantity)) for quantity in quantities))
+        (body["name"], *(webpage.number(body.get(name), largest[name]) for name in quantities))
         for body in bodies
     ]
     table = webpage.table(
@@ -274,8 +278,14 @@ def _bodies(record: RunRecord) -> str:
 
 def _walls(record: RunRecord) -> str:
     forces = record.summary.get("wall_force") or {}
-    rows = [(webpage.words(side), webpage.number(force)) for side, force in forces.items()]
+    largest = _largest(forces.values())
+    rows = [(webpage.words(side), webpage.number(f, largest)) for side, f in forces.items()]
     return webpage.table(("wall", "force"), rows, numbers={1})
+
+
+def _largest(vectors: Iterable[Sequence | None]) -> float:
+    """The largest size of a component, None counting as nothing."""
+    return max((abs(part or 0.0) for vector in vectors for part in vector or ()), default=0.0)
 
 
 def _versions(record: RunRecord) -> str:

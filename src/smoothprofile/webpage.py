@@ -87,12 +87,15 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def number(value: Any) -> str:
-    """Five digits, a real minus sign, nothing as a dash; a vector in brackets without round-off."""
+def number(value: Any, largest: float = 0.0) -> str:
+    """Five digits, a real minus sign, nothing as a dash; a vector in brackets without round-off.
+
+    largest: of the kind, where that is more than the vector's own.
+    """
     if value is None:
         return "–"
     if isinstance(value, list | tuple):
-        least = max(5e-13, 1e-9 * max(abs(part or 0) for part in value))
+        least = 1e-9 * max(largest, *(abs(part or 0) for part in value))
         parts = [0 if part is not None and abs(part) < least else part for part in value]
         return f"({', '.join(map(number, parts))})"
     if isinstance(value, bool | str):
