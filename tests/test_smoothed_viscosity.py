@@ -219,6 +219,12 @@ def test_effective_viscosity(ratio, smoothing):
     assert found - 1.0 == pytest.approx(exact, rel=0.02)
 
 
+def test_an_effective_viscosity_without_strain_is_refused():
+    drops = lattice(sphere(1.0), 0.1, 12, 10.0, 0.3)
+    with pytest.raises(CaseError, match="the mean strain is 0"):
+        effective_viscosity(drops.solver, drops.medium, np.zeros((3, 3)))
+
+
 def test_the_inside_of_a_stiff_sphere_is_rigid():
     # Of a sharp drop the strain inside is 5E/(2R + 3), here .0025E; the painted one is smaller and
     # strained a little more.

@@ -144,7 +144,9 @@ class Particle(Solid):
     the fluid and gravity.
     """
 
-    name: Annotated[str, Field(min_length=1)] | None = Field(None, description="a name in quotes")
+    name: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]+$")] | None = Field(
+        None, description="a name in quotes, of one line"
+    )
     shape: Literal[Simple, "plane", "union", "mesh"] = Field(
         description="one of " + ", ".join(SIZES)
     )

@@ -147,9 +147,11 @@ def effective_viscosity(
 ) -> tuple[float, SolveReport]:
     """μ_eff/μ_f = ⟨σ⟩:E/(2μ_f E:E) of free bodies in the mean strain E (3,3).
 
-    Of a dilute suspension 1 + 5c(R−1)/(2R+3): Einstein's 1 + 2.5c as R → ∞.
+    Of a dilute suspension 1 + 5c(R−1)/(2R+3): Einstein's 1 + 2.5c as R → ∞. CaseError where E is 0.
     """
     strain = 0.5 * (np.asarray(strain, dtype=np.float64) + np.transpose(strain))
+    if not strain.any():
+        raise CaseError("the mean strain is 0; an effective viscosity needs one.")
     report = solver.solve(medium, None, strain, tolerance, limit)
     mean = solver.stress.mean()
     return float((mean * strain).sum() / (2.0 * medium.fluid * (strain**2).sum())), report
