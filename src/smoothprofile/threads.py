@@ -31,7 +31,8 @@ def set_thread_count(count: int) -> None:
     """Use `count` threads from now on; CaseError unless 1 ≤ count ≤ available_threads()."""
     if not 1 <= count <= available_threads():
         raise CaseError(
-            f"threads is {count}; it must be between 1 and {available_threads()} on this machine."
+            f"threads is {count}; it must be from 1 to {available_threads()}, the processors that "
+            "this process may use, or as many as NUMBA_NUM_THREADS says."
         )
     global _asked
     _asked = True
