@@ -7,7 +7,6 @@ simulation.particles[0]["force"]
 """
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ from smoothprofile.assembly import (
 from smoothprofile.blowup import watch_flow
 from smoothprofile.boundaries import fill_ghosts, pressure_boundary
 from smoothprofile.budget import Budget, take_with_budget
-from smoothprofile.config import Case, build_shape, is_stokes, load_case
+from smoothprofile.config import Case, build_shape, is_stokes
 from smoothprofile.coupling import coupling_named, set_out
 from smoothprofile.errors import CaseError
 from smoothprofile.field_checks import flow_checks
@@ -78,13 +77,6 @@ class Simulation(FlowViews):
         self._stages = PreliminaryRuns(
             case.stages()[:-1], lambda stage: Simulation(stage, self._courses)
         )
-
-    @classmethod
-    def from_file(
-        cls, case: str | Path | dict, overrides: Mapping | list | None = None
-    ) -> "Simulation":
-        """From a TOML file, a built-in case's name or a dict; {"time.end": 2} changes it."""
-        return cls(load_case(case, overrides or {}))
 
     @property
     def moment(self) -> str:

@@ -7,13 +7,12 @@ run.particles[0]["force"]
 """
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from smoothprofile.assembly import build_action, build_grid
-from smoothprofile.config import Case, is_stokes, load_case, nothing_moves
+from smoothprofile.config import Case, is_stokes, nothing_moves
 from smoothprofile.errors import CaseError
 from smoothprofile.flow.state import fluid_at_rest
 from smoothprofile.flow.walls import Walls
@@ -62,23 +61,6 @@ class StokesSimulation(FlowViews):
         self._threads = ThreadTrial()
         self.history: dict[str, list] = {}
         self.retries: list[dict[str, Any]] = []
-
-    @classmethod
-    def from_file(
-        cls, case: str | Path | dict, overrides: Mapping | list | None = None
-    ) -> "StokesSimulation":
-        """From a TOML file, a built-in case's name or a dict; {"time.end": 2} changes it."""
-        return cls(load_case(case, overrides or {}))
-
-    @property
-    def moment(self) -> str:
-        """Where the run is, in words."""
-        return f"step {self.steps}"
-
-    @property
-    def under_way(self) -> "StokesSimulation":
-        """This run: no other goes before it."""
-        return self
 
     @property
     def time_step(self) -> float:

@@ -1,14 +1,15 @@
 """What every run of a fluid has, whichever way it moves: its loop, fields, cuts, history."""
 
 import time as clock
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 
 from smoothprofile import cuts, sampling
-from smoothprofile.config import Case
+from smoothprofile.config import Case, load_case
 from smoothprofile.errors import CaseError
 from smoothprofile.flow.monitor import Extremes
 from smoothprofile.flow.state import FlowState
@@ -39,6 +40,11 @@ class FlowViews:
     mean_velocity: list[float]
     largest_divergence: float
 
+    @classmethod
+    def from_file(cls, case: str | Path | dict, overrides: Mapping | list | None = None) -> Self:
+        """From a TOML file, a built-in case's name or a dict; {"time.end": 2} changes it."""
+        return cls(load_case(case, overrides or {}))
+
     @property
     def time(self) -> float:
         return self.state.time
@@ -46,6 +52,16 @@ class FlowViews:
     @property
     def steps(self) -> int:
         return self.state.steps
+
+    @property
+    def moment(self) -> str:
+        """Where the run is, in words."""
+        return f"step {self.steps}"
+
+    @property
+    def under_way(self) -> "FlowViews":
+        """This run, if no other goes before it."""
+        return self
 
     @property
     def extremes(self) -> Extremes:
