@@ -7,6 +7,7 @@ from coupled import settle, simulation, sphere, steps
 from smoothprofile.budget import step_with_budget
 from smoothprofile.flow.energy import kinetic_sums
 from smoothprofile.grid import interior
+from smoothprofile.selfcheck import error_card
 
 SCHEMES = ("backward-euler", "crank-nicolson", "bdf2", "bdf3")
 STRETCHED = {
@@ -159,3 +160,27 @@ def test_watching_a_step_changes_no_bit():
         budget_of(runs[1])
     for a, b in zip(runs[0].state.velocity, runs[1].state.velocity, strict=True):
         assert a.tobytes() == b.tobytes()
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_walls_take_what_advection_carries_into_the_cells_at_them(scheme):
+    """A lid drives a closed box, nothing else: all walls together bear no more than the gain."""
+    run = simulation(
+        boundaries=["wall", "wall", "slip"],
+        stretching=["uniform", {"focus": 1.0, "ratio": 2.0}, "uniform"],
+        wall_velocity={"y_high": [1.0, 0.0, 0.0]},
+        scheme=scheme,
+        viscosity=0.05,
+    )
+    # Past the first steps, which other schemes take.
+    steps(run, 3)
+    assert budget_of(run).momentum < 1e-12
+    assert max(np.abs(force).max() for force in run.flow._carried.values()) > 1e-6
+
+
+def test_a_fluid_at_rest_under_a_force_has_no_errors():
+    """Between free-slip walls across a body force: what moves is round-off."""
+    run = simulation(boundaries=["slip", "periodic", "periodic"], body_force=[1.0, 0.0, 0.0])
+    run.budget = budget_of(steps(run, 10))
+    assert 0.0 <= max(run.extremes.speed) < 1e-12
+    assert {line["verdict"] for line in error_card(run)} == {"green"}

@@ -78,7 +78,7 @@ def test_foreign_checkpoints_are_refused_by_name(stopped, tmp_path, monkeypatch)
     with pytest.raises(CaseError, match=r"checkpoint.h5 belongs to another case"):
         read_checkpoint(path, "title = 'another'")
     monkeypatch.setattr("smoothprofile.checkpoint.FORMAT", 9)
-    with pytest.raises(CaseError, match=r"checkpoint.h5 is of format 3; .* reads format 9"):
+    with pytest.raises(CaseError, match=r"checkpoint.h5 is of format 4; .* reads format 9"):
         step_of(path, [])
     monkeypatch.undo()
     for content in (b"", b"x" * 500, b"\x89HDF\r\n\x1a\n" * 30):

@@ -98,6 +98,7 @@ def test_defaults_depend_on_what_is_given():
         ),
         ("particles.0.motion=loose", "particles.0.motion", '"loose"', '"free"'),
         ("particles.0.name=''", "particles.0.name", '""', "of one line"),
+        ('particles.0.name="a\\u2028b"', "particles.0.name", '"a\u2028b"', "of one line"),
         ('particles.0.name="a\\nb"', "particles.0.name", '"a\\nb"', "of one line"),
         ("particles.0.motion=free", "particles.0.density", "missing", "a free body needs density"),
         ("particles.0.density=2.0", "particles.0.density", "2.0", 'motion = "free"'),

@@ -104,6 +104,11 @@ def kill_and_resume(children, tmp_path, count):
     for number in range(count):
         path = tmp_path / f"{number}"
         statuses = [spm_run(children, case, path, choose.uniform(0.0, 1.0) * takes)]
+        while statuses[-1] != -signal.SIGKILL:
+            # It was faster than the first, which the machine had less time for.
+            shutil.rmtree(path)
+            takes *= 0.9
+            statuses = [spm_run(children, case, path, choose.uniform(0.0, 1.0) * takes)]
         while statuses[-1] == -signal.SIGKILL and len(statuses) < 4:
             assert_readable(path)
             statuses.append(spm_run(children, case, path, choose.uniform(0.0, 1.0) * takes))
@@ -119,8 +124,7 @@ def kill_and_resume(children, tmp_path, count):
 
 
 def test_killed_runs_end_with_the_same_bits(children, tmp_path):
-    # How many are hit before they end depends on what else the machine does.
-    assert kill_and_resume(children, tmp_path, 3) >= 1
+    assert kill_and_resume(children, tmp_path, 3) >= 3
 
 
 @pytest.mark.slow

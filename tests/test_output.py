@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
+from smoothprofile.csvtables import read_table
 from smoothprofile.errors import BlowUpError, CaseError
 from smoothprofile.grid import Grid, uniform_axis
 from smoothprofile.output import RunDirectory, next_free_directory, to_json
@@ -341,3 +342,12 @@ def test_fields_hold_the_end_only_unless_asked_otherwise(tmp_path, with_snapshot
 def test_only_a_run_directory_is_read(tmp_path):
     with pytest.raises(CaseError, match=r"not a run directory"):
         read_run(tmp_path)
+
+
+def test_a_table_is_read_by_its_own_line_ends(tmp_path):
+    """Names may hold what `str.splitlines` takes for the end of a line; a cut row is left out."""
+    (tmp_path / "rows.csv").write_text('name,x\n"a\u2028b, c",1\nd\x85,2\ne,', encoding="utf-8")
+    assert read_table(tmp_path / "rows.csv") == [
+        {"name": "a\u2028b, c", "x": "1"},
+        {"name": "d\x85", "x": "2"},
+    ]

@@ -126,10 +126,13 @@ def _budget(run: Any, old: tuple, force: tuple | None, scheme: Scheme, dt: float
     }
     taken = powers["gain"] + powers["viscous"] + powers["layers"]
     left = powers["drive"] + powers["walls"] + powers["bodies"] - taken
-    sizes = sum(float(np.linalg.norm(part)) for part in (driven, walls, given, gain))
+    each = [force for name, force in run.wall_force.items() if name != "total"]
+    sizes = sum(float(np.linalg.norm(part)) for part in (driven, *each, given, gain))
     lost = float(np.linalg.norm(driven - walls + given - gain))
-    # Of a flow without any net force there is round-off alone, which is no share of anything.
-    speed, least = max(run.extremes.speed), ROUND_OFF * float(np.finfo(run.grid.dtype).eps)
+    # Of a flow without any net force there is round-off alone, which is no share of anything; in
+    # one at rest, of what drives it.
+    least = ROUND_OFF * float(np.finfo(run.grid.dtype).eps)
+    speed = max(*run.extremes.speed, float(np.abs(run.driving_force).max()) * dt / density)
     noise = least * density * run.grid.volume * speed / dt
     return Budget(
         **powers,

@@ -24,7 +24,7 @@ from smoothprofile.heap import keep_large_blocks_apart
 from smoothprofile.provenance import case_hash
 from smoothprofile.safefiles import DiskFile, hdf5_on, reason, replacing
 
-FORMAT = 3
+FORMAT = 4
 NEWEST, PREVIOUS = "checkpoint.h5", "checkpoint-previous.h5"
 ARRAY = "array number"
 SEAL = b"SHA-256 of all before: "

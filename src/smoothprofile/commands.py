@@ -23,8 +23,12 @@ class Commands(TyperGroup):
         settings |= {"prog_name": "spm", "standalone_mode": not words}
         try:
             sys.exit(super().main(words, **settings))
-        except (CaseError, UsageError) as error:
-            told = error if isinstance(error, CaseError) else CaseError(_sentence(error))
+        except CaseError as error:
+            told: BaseException = error
+        except UsageError as error:
+            told = CaseError(_sentence(error))
+        except typer.Abort:
+            told = KeyboardInterrupt()
         try:
             leave(told, "--json" in words)
         except typer.Exit as end:

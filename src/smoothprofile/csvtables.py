@@ -68,7 +68,7 @@ class GrowingTable:
 def read_table(path: Path) -> list[dict[str, str]]:
     """The rows of a CSV file; a last line that was cut off in the writing is left out."""
     text = path.read_text(encoding="utf-8") if path.is_file() else ""
-    return list(csv.DictReader(text[: text.rfind("\n") + 1].splitlines()))
+    return list(csv.DictReader(io.StringIO(text[: text.rfind("\n") + 1], newline="")))
 
 
 def grouped_by(rows: list[dict[str, str]], column: str) -> dict[str, list[dict[str, str]]]:

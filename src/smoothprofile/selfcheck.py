@@ -52,6 +52,10 @@ def _line(name: str, value: float, limits: tuple[float, float], note: str) -> Li
 
 def _divergence(run: Any) -> Line:
     speed, width = max(run.extremes.speed), min(run.grid.smallest_widths)
+    if not is_stokes(run.case):
+        # Of a fluid at rest there is round-off alone, of what drives it.
+        driven = float(np.abs(run.driving_force).max()) * run.time_step
+        speed = max(speed, driven / run.case.fluid.density)
     share = run.largest_divergence * width / speed if speed else 0.0
     limits = ROUND_OFF[run.case.domain.precision]
     return _line("divergence", share, limits, "largest, over the largest speed and a cell")

@@ -95,7 +95,7 @@ def number(value: Any, largest: float = 0.0) -> str:
     if value is None:
         return "–"
     if isinstance(value, list | tuple):
-        least = 1e-9 * max(largest, *(abs(part or 0) for part in value))
+        least = 1e-9 * max([largest, *(abs(part or 0) for part in value)])
         parts = [0 if part is not None and abs(part) < least else part for part in value]
         return f"({', '.join(map(number, parts))})"
     if isinstance(value, bool | str):

@@ -10,10 +10,12 @@ from smoothprofile.config.values import (
     AXES,
     AXIS,
     COUNT,
+    NAME,
     NUMBER,
     POSITIVE,
     AxisName,
     Count,
+    Name,
     Positive,
     Side,
     Table,
@@ -33,7 +35,7 @@ class PlaneCut(Table):
 class Line(Table):
     """[[output.lines]]: a velocity component along `axis`, through the other two coordinates."""
 
-    name: Annotated[str, Field(min_length=1)] = Field(description="a name in quotes")
+    name: Name = Field(description=NAME)
     axis: AxisName = Field(description=AXIS)
     through: Annotated[tuple[float, float], Field(strict=False)] = Field(
         description="two finite numbers, the other coordinates in the order x, y, z"

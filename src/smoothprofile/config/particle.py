@@ -15,12 +15,14 @@ from smoothprofile.config.values import (
     DIRECTION,
     FLAG,
     LENGTHS,
+    NAME,
     NUMBER,
     NUMBERS,
     POSITIVE,
     VELOCITY,
     Direction,
     Lengths,
+    Name,
     Positive,
     Table,
     Vector,
@@ -144,9 +146,7 @@ class Particle(Solid):
     the fluid and gravity.
     """
 
-    name: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]+$")] | None = Field(
-        None, description="a name in quotes, of one line"
-    )
+    name: Name | None = Field(None, description=NAME)
     shape: Literal[Simple, "plane", "union", "mesh"] = Field(
         description="one of " + ", ".join(SIZES)
     )

@@ -17,6 +17,9 @@ Side = Literal["x_low", "x_high", "y_low", "y_high", "z_low", "z_high"]
 Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(ge=1, le=1_000_000)]
 # TOML has lists and no tuples: only the container is lenient, never what it holds.
+NAME = "a name in quotes, of one line"
+Name = Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+$")]
+"""Of what tables have rows of: without anything that ends a line."""
 Vector = Annotated[tuple[float, float, float], Field(strict=False)]
 Lengths = Annotated[tuple[Positive, Positive, Positive], Field(strict=False)]
 Counts = Annotated[tuple[Count, Count, Count], Field(strict=False)]
@@ -66,7 +69,7 @@ class SignalTable(Table):
         if any(self.amplitude) and self.angular_frequency is None:
             raise Refusal("angular_frequency", MISSING, "an amplitude needs one, above 0")
         for key in ("angular_frequency", "phase"):
-            if key in self.model_fields_set and "amplitude" not in self.model_fields_set:
+            if getattr(self, key) and "amplitude" not in self.model_fields_set:
                 raise Refusal(key, getattr(self, key), "without an amplitude it does nothing")
         return self
 

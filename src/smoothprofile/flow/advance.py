@@ -17,7 +17,7 @@ from smoothprofile.flow.monitor import Extremes
 from smoothprofile.flow.projection import Projection
 from smoothprofile.flow.state import FlowState, Velocity, zero_velocity
 from smoothprofile.flow.viscosity import Viscosity
-from smoothprofile.flow.walls import Walls, pressure_forces, viscous_forces
+from smoothprofile.flow.walls import Walls, carried_forces, pressure_forces, viscous_forces
 from smoothprofile.grid import Grid
 from smoothprofile.schemes import SCHEMES, Scheme
 
@@ -73,7 +73,8 @@ class Flow:
         self.mean_flow = MeanFlow(grid, parameters.mean_velocity, self._viscosity)
         self._spare: list[Velocity] = []
         self.extremes = Extremes()
-        self._wall_viscous: dict[str, np.ndarray] = {}
+        self._wall_load: dict[str, np.ndarray] = {}
+        self._carried: dict[str, np.ndarray] = {}
         self._nothing = np.broadcast_to(np.zeros((), grid.dtype), grid.padded_shape)
 
     def scheme(self, state: FlowState) -> Scheme:
@@ -96,6 +97,7 @@ class Flow:
         advection = self._take_spare() if deep and self.parameters.advection else None
         step = Step(scheme, dt, state.time + dt, self._take_spare(), advection)
         self._solve(state, step, pressure_weight)
+        self._carry(state, scheme)
         if scheme.corrected and self.parameters.advection:
             self._correct_advection(state, step, pressure_weight)
         self.measure_walls(state, step)
@@ -109,7 +111,7 @@ class Flow:
             mu = step.scheme.implicit * self.parameters.viscosity * self.mean_flow.force[axis]
             still = Walls(self.parameters.walls.kinds)
             for name, force in viscous_forces(self.grid, still, alone, mu, step.time).items():
-                self._wall_viscous[name] = self._wall_viscous[name] + force
+                self._wall_load[name] = self._wall_load[name] + force
 
     def project(self, state: FlowState, step: Step) -> None:
         """Make the step's velocity divergence-free and add what it took to the pressure."""
@@ -138,10 +140,10 @@ class Flow:
             fill_ghosts(velocity[c], self.boundaries[c], self.parameters.walls.values(c, time))
 
     def wall_force(self, state: FlowState) -> dict[str, np.ndarray]:
-        """Force on each wall over the last step: its shear and the pressure now."""
+        """Force on each wall over the last step: its shear, what it is given, and the pressure."""
         density, drive = self.parameters.density, self.parameters.body_force
         pressures = pressure_forces(self.grid, state.pressure, density, drive)
-        return {name: self._wall_viscous.get(name, 0.0) + f for name, f in pressures.items()}
+        return {name: self._wall_load.get(name, 0.0) + f for name, f in pressures.items()}
 
     def saved(self) -> dict:
         """What the last step left besides the state: for reports and stop rules, not for steps."""
@@ -149,14 +151,14 @@ class Flow:
             "speed": self.extremes.speed,
             "change": self.extremes.change,
             "mean_force": self.mean_flow.force,
-            "wall_viscous": self._wall_viscous,
+            "wall_load": self._wall_load,
         }
 
     def restore(self, saved: dict) -> None:
         """Take back what `saved` gave."""
         self.extremes = Extremes(tuple(saved["speed"]), tuple(saved["change"]))
         self.mean_flow.force[:] = saved["mean_force"]
-        self._wall_viscous = saved["wall_viscous"]
+        self._wall_load = saved["wall_load"]
 
     def _solve(
         self,
@@ -203,6 +205,8 @@ class Flow:
         self.fill(step.velocity, step.time)
         mean = self._take_spare()
         advect(step.velocity, mean, self._explicit.spacings)
+        trial = carried_forces(self.grid, step.velocity, self.parameters.density)
+        self._carried = {name: 0.5 * (self._carried[name] + trial[name]) for name in trial}
         for total, old in zip(mean, step.advection, strict=True):
             total += old
             total *= 0.5
@@ -213,11 +217,21 @@ class Flow:
         return self._spare.pop() if self._spare else zero_velocity(self.grid)
 
     def measure_walls(self, state: FlowState, step: Step) -> None:
-        """Keep the shear of the step's velocity on the walls; again if a load is added to it."""
+        """Keep what walls bear beside the pressure; again if a load is added to the velocity."""
         walls, mu = self.parameters.walls, self.parameters.viscosity
         theta = step.scheme.implicit
         new = viscous_forces(self.grid, walls, step.velocity, theta * mu, step.time)
         if theta < 1.0:
             old = viscous_forces(self.grid, walls, state.velocity, (1 - theta) * mu, state.time)
             new = {name: new[name] + old[name] for name in new}
-        self._wall_viscous = new
+        self._wall_load = {name: new[name] + self._carried.get(name, 0.0) for name in new}
+
+    def _carry(self, state: FlowState, scheme: Scheme) -> None:
+        """What the step's advection carries to the walls."""
+        self._carried = {}
+        if not self.parameters.advection:
+            return
+        levels = (state.velocity, *state.past_velocity)
+        for weight, velocity in zip(scheme.advection, levels, strict=False):
+            for name, force in carried_forces(self.grid, velocity, self.parameters.density).items():
+                self._carried[name] = self._carried.get(name, 0.0) + weight * force

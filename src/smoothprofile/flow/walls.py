@@ -1,11 +1,12 @@
 """Walls of the box: no-slip and moving, or free-slip, and the force that the fluid puts on them.
 
 no-slip: u = U(t);   free slip: u·n = 0, ∂u_t/∂n = 0
-F_t = μ ∫ ∂u_t/∂n dA,   F_n = −∫ p n dA            n out of the fluid
-p n = p₁ n − ½Δx f
+F_t = μ ∫ ∂u_t/∂n dA,   F_n = −∫ p n dA            n into the fluid
+p n = (p₁ + ρu₁²) n − ½Δx f
 
-where p₁ is the pressure in the cells at the wall and f, per volume, drives the fluid: the half
-cell between has no momentum of its own, and hands to the wall what drives it.
+where p₁ and the normal velocity u₁ are those at the centres of the cells at the wall and f, per
+volume, drives the fluid: the half cell between has no momentum of its own, and hands to the wall
+what drives it and what is carried into it.
 """
 
 from collections.abc import Callable, Sequence
@@ -96,6 +97,20 @@ def pressure_forces(
         half = 0.5 * grid.axes[axis].widths[-side] * drive[axis]
         at_wall = outward * density * _layer(grid, pressure, axis, side) + half
         force[axis] = (at_wall * _areas(grid, axis, axis)).sum()
+        forces[wall_name(axis, side)] = force
+    return forces
+
+
+def carried_forces(grid: Grid, velocity: tuple, density: float) -> dict[str, np.ndarray]:
+    """Momentum that advection carries to each wall in a second, (3,) each: ρ∫u₁² dA."""
+    forces = {}
+    for axis, side in _walled_sides(grid):
+        force = np.zeros(3)
+        faces = np.moveaxis(velocity[axis], axis, 0)
+        first, other = (1, 2) if side == 0 else (-2, -1)
+        centre = 0.5 * (faces[first, 1:-1, 1:-1] + faces[other, 1:-1, 1:-1])
+        outward = 1.0 if side == 1 else -1.0
+        force[axis] = outward * density * (centre**2 * _areas(grid, axis, axis)).sum()
         forces[wall_name(axis, side)] = force
     return forces
 
