@@ -205,7 +205,12 @@ WRONG_LINES = [
     (["run", "duct", "--retry", "-1"], ["--retry is -1", "a whole number from 0"]),
     (["run", "duct", "--thread", "2"], ["no option --thread;", "the nearest is --threads"]),
     (["run", "--quickly"], ["no option --quickly", "it has --out, --set"]),
-    (["run", "duct", "more"], ["spm run", "(more)"]),
+    (["run", "duct", "more"], ["spm run takes CASE and options alone; more is too much."]),
+    (
+        ["new", "duct", "more", "yet"],
+        ["spm new takes NAME and options alone; more yet is too much."],
+    ),
+    (["cases", "more"], ["spm cases takes options alone; more is too much."]),
     (["run", "duct", "--set"], ["'--set' requires an argument"]),
 ]
 

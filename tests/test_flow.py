@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from flows import box, make_flow, points, slope, start
+from smoothprofile.errors import BlowUpError
 from smoothprofile.flow.advection import advect, advection_spacings
+from smoothprofile.flow.monitor import Extremes, watch
+from smoothprofile.flow.state import fluid_at_rest
 from smoothprofile.flow.walls import Walls
 from smoothprofile.grid import Grid, stretched_axis, uniform_axis
 
@@ -296,3 +299,10 @@ def test_single_precision_runs_close_to_double():
         assert state.velocity[0].dtype == dtype
         results.append(state.velocity[0].astype(float))
     assert np.abs(results[0] - results[1]).max() < 2e-5  # float32 round-off over ten steps
+
+
+def test_a_courant_number_that_exceeds_its_limit_is_shown_to_do_so():
+    grid = Grid(tuple(uniform_axis(name, 0.0, 1.0, 4, True) for name in "xyz"))
+    fast = Extremes(speed=(100.0004, 0.0, 0.0))
+    with pytest.raises(BlowUpError, match=r"Courant number is 100\.0004 and may not exceed 100;"):
+        watch(grid, fluid_at_rest(grid), fast, 0.25, True)

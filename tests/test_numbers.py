@@ -221,8 +221,8 @@ def test_a_random_suspension_from_numbers_and_units():
         (
             [],
             {"Mn": 0.2},
-            "numbers.Mn is 0.2; electric.field, fluid.viscosity, permittivities and the rate of "
-            "shear of the case make it 0.1234568.",
+            "numbers.Mn is 0.2; electric.electrodes.high, fluid.viscosity, permittivities and the "
+            "rate of shear of the case make it 0.1234568.",
         ),
         ([], {"Re": 0.08 * (1 + 3e-6)}, "numbers.Re is "),
         ([], {"R": 9.0}, "numbers.R is 9.0; the permittivities of the case make it 10."),
@@ -240,6 +240,7 @@ def test_a_random_suspension_from_numbers_and_units():
         ),
         ([], {"Mn": -1.0}, "numbers.Mn is -1.0; it must be a finite number above 0."),
         ([], {"mn": 1.0}, "numbers.mn is not a known key"),
+        ([], {"R": 1e10}, "numbers.R is 10000000000.0; it must be a number from 1e-09 to 1e+09."),
         (["electric", "particles.0.permittivity"], {"Mn": 1.0}, "numbers.Mn is 1.0; it needs"),
         (["electric", "particles.0.permittivity"], {"R": 1.0}, "numbers.R is 1.0; the case has"),
         (
@@ -252,6 +253,21 @@ def test_a_random_suspension_from_numbers_and_units():
 def test_numbers_that_contradict_the_case_are_refused(left_out, numbers, sentence):
     text = refusal({**without(shear_cell(), *left_out), "numbers": numbers})
     assert sentence in text
+
+
+@pytest.mark.parametrize("value", [-2.0, 0.0])
+@pytest.mark.parametrize(
+    ("key", "name", "left_out"),
+    [("electric.permittivity", "R", "permittivity"), ("fluid.density", "density_ratio", "density")],
+)
+def test_what_bodies_take_a_multiple_of_is_named_if_it_is_wrong(key, name, left_out, value):
+    """Of a lattice too, whose bodies are read before the rest of the case."""
+    case = without(shear_cell(), f"particles.0.{left_out}")
+    packed = without(case, "particles.0.position")
+    packed["particles"][0]["lattice"] = {"kind": "simple-cubic", "counts": [2, 2, 2]}
+    for each in (case, packed):
+        text = refusal({**each, "numbers": {name: 8.0}}, {key: value})
+        assert text == f"{key} is {value}; it must be a finite number above 0."
 
 
 def test_agreement_is_asked_to_a_part_in_a_million():

@@ -1,10 +1,13 @@
 """Outlines of spheres in planes, and which bodies a report calls moving."""
 
+import tomllib
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from case_makers import small_case
+from smoothprofile.config import PlaneCut, load_case
 from smoothprofile.plane_plots import discs_cut, plane_pictures
 from smoothprofile.plots import pictures
 from smoothprofile.runrecord import read_run
@@ -40,6 +43,37 @@ def test_spheres_are_outlined_where_they_are_with_their_images(run):
     assert np.allclose(axes.get_xlim(), plane["x"][[0, -1]])
     # Other shapes are outlined as they are painted.
     assert discs_cut(replace(cut, case={"domain": domain, "particles": [{"shape": "box"}]})) is None
+
+
+@pytest.mark.parametrize(
+    ("fluid", "electric", "axis"),
+    [
+        ({}, None, "z"),
+        ({"gravity": [0, 0, -1]}, None, "y"),
+        ({"gravity": [0, -1e-3, -1]}, None, "x"),
+        ({"body_force": [0, 0, 1]}, None, "y"),
+        ({"mean_velocity": {"z": 2.0, "y": 0.0}}, None, "y"),
+        ({"mean_velocity": {"z": 0.0}}, None, "z"),
+        ({}, {"field": [0, 0, 1]}, "y"),
+        ({}, {"field": [0, 1, 0], "quadrature": [0, 0, 1], "angular_frequency": 1}, "x"),
+        ({}, {"electrodes": {"axis": "z", "high": 1.0}}, "y"),
+        ({"wall_velocity": {"z_high": [1, 0, 0]}}, None, "y"),
+        ({"wall_velocity": {"z_high": [0, 0, 0]}}, None, "z"),
+        ({"wall_velocity": {"z_high": [0, 1, 0]}, "body_force": [1, 0, 0]}, None, "z"),
+    ],
+)
+def test_the_plane_lies_where_what_acts_is_seen(fluid, electric, axis):
+    walled = "wall_velocity" in fluid or "electrodes" in (electric or {})
+    case = small_case(boundaries=("periodic", "periodic", "wall" if walled else "periodic"))
+    case["fluid"] |= fluid
+    if electric:
+        case["electric"] = electric
+    loaded = load_case(case)
+    assert loaded.output.plane == PlaneCut(axis=axis)
+    again = load_case(tomllib.loads(loaded.to_toml()))
+    assert again == loaded and again.output.plane.axis == axis
+    given = load_case(case | {"output": {"plane": {"axis": "x", "at": 1.0}}})
+    assert given.output.plane == PlaneCut(axis="x", at=1.0)
 
 
 def test_round_off_is_no_motion(tmp_path):

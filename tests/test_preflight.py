@@ -241,3 +241,42 @@ def test_a_box_that_would_fall_as_a_whole_is_foretold():
 )
 def test_a_box_that_is_held_is_not(tables):
     assert falling(**tables)[1] == {}
+
+
+def step_row(body, steps, **tables):
+    """The row of Δt in a case of so many steps of .01."""
+    time = {"step": 0.01, "end": 0.01 * steps}
+    rows = run_of(body, time=time, **tables).preflight()
+    return next(row for row in rows if row["name"] == "time step")
+
+
+def test_a_case_without_inertia_is_told_that_it_could_do_without():
+    """Re = .01 about a body that moves; many steps for it are a warning."""
+    moved = sphere(velocity=[0.01, 0.0, 0.0])
+    advice = 'at Re = 0.01 fluid.flow = "stokes" needs no such step'
+    few, many = step_row(moved, 100), step_row(moved, 10_001)
+    assert (few["verdict"], many["verdict"]) == ("ok", "warn")
+    assert few["note"].endswith(advice)
+    assert many["note"].endswith(f"{advice}, of which there are 10001")
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        sphere(),
+        sphere(velocity=[1.0, 0.0, 0.0]),
+        # ρωa²/μ = 1, and St = (2/9) 100 · .01: of the fluid, and of the body, inertia counts.
+        sphere(velocity={"amplitude": [0.01, 0.0, 0.0], "angular_frequency": 1.0}),
+        sphere(motion="free", density=100.0, velocity=[0.01, 0.0, 0.0]),
+    ],
+)
+def test_a_case_with_inertia_or_nothing_that_moves_is_not(body):
+    row = step_row(body, 10_001)
+    assert row["verdict"] == "ok" and "stokes" not in row["note"]
+
+
+def test_sentences_say_an_ellipsoid():
+    body = {"shape": "ellipsoid", "position": [0, 0, 0]}
+    assert "an ellipsoid needs radii" in refusal(small_case(body))
+    text = refusal(small_case(body | {"radii": [1, 1, 1], "radius": 1}))
+    assert "an ellipsoid takes radii, and no other size" in text

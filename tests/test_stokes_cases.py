@@ -125,3 +125,13 @@ def test_a_body_that_moves_too_far_is_tried_again_with_a_smaller_step(spm, tmp_p
     summary = json.loads(out)
     assert summary["status"] == "finished"
     assert summary["retries"][0]["time_step"] == pytest.approx(0.2)
+
+
+def test_the_step_is_beside_what_really_moves_bodies():
+    """Of one that is pulled and one that is pushed on at a given speed, the faster one's."""
+    pulled = ball([2, 4, 4], force=[0.0, 0.0, 20.0])
+    for speed, words in ((0.0, "a body's loads move it"), (9.0, "a body's given motion takes it")):
+        sent = ball([6, 4, 4], "prescribed", velocity=[0.0, 0.0, speed])
+        rows = StokesSimulation(load_case(box(pulled, sent))).preflight()
+        note = next(row["note"] for row in rows if row["name"] == "time step")
+        assert f"in which {words}" in note

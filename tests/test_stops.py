@@ -9,12 +9,15 @@ import h5py
 import numpy as np
 import pytest
 
+from case_makers import small_case, sphere
 from restarts import files_digest, run_stopping, state_digest
 from smoothprofile.config import load_case
 from smoothprofile.config.tomltext import document
 from smoothprofile.errors import BlowUpError
 from smoothprofile.grid import Grid, uniform_axis
 from smoothprofile.particles.watch import BodyWatch
+from smoothprofile.runs import run_of
+from smoothprofile.selfcheck import error_card
 from smoothprofile.stops import BEFORE_JOB_ENDS, Stops
 from test_resume import body, box, touching
 
@@ -179,3 +182,27 @@ def test_overlaps_are_on_the_error_card(tmp_path):
     # Centres .7 apart, two radii of .5: .3 deep, .6 of a radius; round-off of the places.
     assert card["overlap of spheres"]["value"] == pytest.approx(0.6, rel=1e-12)
     assert card["overlap of spheres"]["verdict"] == "red"
+
+
+def resting(height, flow):
+    """A sphere that has come to lie on the floor."""
+    case = small_case(
+        sphere(motion="free", density=2.0, position=[0.0, 0.0, height]),
+        boundaries=("periodic", "periodic", "wall"),
+    )
+    case["fluid"] |= {"gravity": [0.0, 0.0, -1.0], "flow": flow}
+    case["profile"]["thickness"] = 0.5
+    run = run_of(load_case(case | {"time": {"end": 30.0}}))
+    run.run()
+    return run
+
+
+@pytest.mark.parametrize("flow", ["inertial", "stokes"])
+@pytest.mark.parametrize("height", [-2.0, None])
+def test_a_body_that_lies_still_has_no_errors(height, flow):
+    """Having fallen there, and having begun where it lies."""
+    first = resting(-2.0, flow)
+    run = first if height else resting(float(first.particles[0]["position"][2]), flow)
+    assert max(run.extremes.speed) < 0.01 * max(first.history["max_speed"])
+    lines = {line["name"]: line for line in error_card(run)}
+    assert lines["slip inside bodies"]["verdict"] == lines["momentum"]["verdict"] == "green"

@@ -139,6 +139,13 @@ def test_stresses_that_a_case_has_not_are_left_out():
     assert [text.get_text() for text in legend.get_texts()] == ["on the walls", "viscous"]
 
 
+def test_only_where_there_is_inertia_the_rest_of_the_stress_is_inertia():
+    names = ("time", "wall_stress", "viscous_stress", "contact_stress", "electric_stress")
+    history = dict.fromkeys(names, np.arange(4.0))
+    assert "inertia" in stress_picture(history).caption
+    assert "inertia" not in stress_picture(history, inertia=False).caption
+
+
 def test_pairs_are_drawn_where_some_are_near():
     table = {"r": np.arange(1.0, 5.0)} | {
         name: np.zeros(4) for name in ("g", "g_along", "g_across")

@@ -5,7 +5,8 @@ import pytest
 import smoothprofile as sp
 from case_makers import small_case, sphere
 from smoothprofile.running import _warning
-from smoothprofile.tables import result_table
+from smoothprofile.runs import run_of
+from smoothprofile.tables import _of_body, result_table
 
 
 def table_of(case):
@@ -29,6 +30,31 @@ def test_a_free_body_is_told_with_its_spin_and_whose_force_it_feels():
     assert table[f"force on {name}"][1] == "of the fluid"
     held = table_of(short(sphere()))
     assert not any(row.startswith("spin of") for row in held)
+
+
+@pytest.mark.parametrize(("offset", "where"), [(-0.414, "inside"), (0.414, "outside")])
+def test_a_surface_is_told_to_be_painted_inside_or_outside(offset, where):
+    body = sp.Simulation(sp.load_case(short(sphere()))).particles[0]
+    rows = _of_body(body | {"painted_offset": offset}, False, lambda _, v: str(v), True)
+    assert ("surface of sphere", "0.414", f"painted this far {where}") in rows
+
+
+def test_slip_in_a_layer_without_inertia_is_not_called_an_error():
+    fluid = {"density": 1, "viscosity": 1, "flow": "stokes", "body_force": [1, 0, 0]}
+    run = run_of(sp.load_case(short(sphere(), fluid=fluid)))
+    run.run()
+    (note,) = (note for name, _, note in run.table() if name.startswith("slip inside"))
+    assert "of the layer" in note and "exact" not in note
+    assert table_of(short(sphere()))["slip inside sphere"][1].endswith("0 is exact")
+
+
+@pytest.mark.parametrize(("first", "told"), [(9.0, True), (1.0, False)])
+def test_a_first_step_that_is_most_of_the_time_is_told(first, told):
+    run = sp.Simulation(sp.load_case(short(sphere(), time={"end": 1, "max_steps": 5})))
+    run.run()
+    run.wall_seconds, run._first_seconds = first + 4.0, first
+    (note,) = (note for name, _, note in result_table(run) if name == "wall-clock")
+    assert ("of which the first step, with compiling, 9 s" in note) == told
 
 
 def test_walls_are_told_of_where_there_are_some():

@@ -165,7 +165,7 @@ def test_sources_and_overrides_take_units():
         ),
         (
             {"fluid.viscosity": 0.05},
-            "fluid.viscosity is 0.05; among values with units it needs one too, "
+            'fluid.viscosity is 0.05; because domain.lengths.0 is "80 um", it needs a unit too, '
             'such as "50 mPa s", or the case a table [units].',
         ),
         ({"units.length": "1 kg"}, 'units.length is "1 kg"; it must be a length such as "10 um".'),
@@ -314,3 +314,13 @@ def test_forces_are_the_plain_case_s_times_the_electric_scale(runs):
         np.testing.assert_allclose(
             body["force"], scale * known["force"], atol=1e-9 * scale * np.abs(known["force"]).max()
         )
+
+
+def test_an_angle_does_not_ask_for_units_and_a_rate_does():
+    turned = {"axis": [0, 0, 1], "angle": "20 deg"}
+    box = {"shape": "box", "sides": [1, 1, 1], "position": [0, 0, 0], "orientation": turned}
+    assert load_case(small_case(box)).particles[0].orientation.angle == pytest.approx(20.0)
+    assert refusal(small_case(box | {"angular_velocity": ["1 rad/s", 0, 0]})) == (
+        'domain.lengths.0 is 10; because particles.0.angular_velocity.0 is "1 rad/s", it needs a '
+        'unit too, such as "10 um", or the case a table [units].'
+    )

@@ -1,5 +1,6 @@
 """How `spm` refuses a line that it cannot read: in one sentence, with exit code 2."""
 
+import re
 import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
@@ -12,6 +13,9 @@ from smoothprofile.errors import CaseError
 
 UsageError = typer.BadParameter.__base__
 """Click's, or that of the copy of click which newer versions of typer have."""
+
+
+EXTRA = re.compile(r"Got unexpected extra argument(?:s|\(s\))? \((.*)\)", re.DOTALL)
 
 
 class Commands(TyperGroup):
@@ -52,6 +56,10 @@ def _sentence(error: Any) -> str:
         if error.message:
             return f"{max(parameter.opts, key=len)} {error.message}."
         return f"{line} needs {parameter.metavar}: {_begun_small(parameter.help)}"
+    extra = EXTRA.match(error.format_message())
+    if extra and error.ctx is not None:
+        known = [p.metavar for p in error.ctx.command.params if p.opts[0][0] != "-"]
+        return f"{line} takes {' and '.join([*known, 'options'])} alone; {extra[1]} is too much."
     return f"{line}: {_begun_small(error.format_message().rstrip('.'))}."
 
 

@@ -102,7 +102,10 @@ def exit_codes(json: bool) -> Iterator[None]:
 def leave(
     error: BaseException, json: bool, directory: Path | None = None, report: Path | None = None
 ) -> NoReturn:
-    """Say in one sentence how a command ended, and where the run directory is that it leaves."""
+    """Say in one sentence how a command ended, and where the run directory is that it leaves.
+
+    The notes of the error, what may be done now, come after it.
+    """
     status, code, message = _ending(error)
     left = {} if directory is None else {"directory": str(directory)}
     if report is not None:
@@ -110,6 +113,8 @@ def leave(
     if json:
         print_json({"status": status, "error": message, "exit_code": code, **left})
     say(message)
+    for note in getattr(error, "__notes__", ()):
+        say(note)
     if left:
         say(f"What was computed is in {directory}" + (f"; open {report}." if report else "."))
     raise typer.Exit(code)

@@ -12,16 +12,9 @@ from smoothprofile.contact_scales import field_speed
 from smoothprofile.electric.medium import widest_cell
 from smoothprofile.gap_checks import gap_rows
 from smoothprofile.grid import Grid
+from smoothprofile.needs import RESOLVED_FIELDS, disk_check, flow_needs, memory_check
 from smoothprofile.pairing import Pairing
-from smoothprofile.preflight import (
-    RESOLVED_FIELDS,
-    Check,
-    check_row,
-    checks,
-    disk_check,
-    memory_check,
-    refuse,
-)
+from smoothprofile.preflight import Check, check_row, checks, refuse
 from smoothprofile.shapes import Shape
 
 FEW_CELLS = 8.0
@@ -37,13 +30,13 @@ def field_checks(case: Case, grid: Grid) -> list[Check]:
     """Every check of a case with [electric] alone."""
     found = _resolution(case, grid) if case.particles else []
     found += _edges(case) + _electrodes(case, grid)
-    return [*found, _memory(case), disk_check(case, grid, 1)]
+    return [*found, _memory(case), disk_check(case, grid, 0)]
 
 
 def flow_checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     """Every check of a case with [fluid], those of its field among them if it has one."""
-    rows = checks(case, grid, pairing)
-    return [*rows, *gap_rows(case), *field_rows(case, grid, pairing)]
+    rows = [*checks(case, grid, pairing), *gap_rows(case), *field_rows(case, grid, pairing)]
+    return [*rows, *flow_needs(case, grid, pairing)]
 
 
 def field_rows(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:

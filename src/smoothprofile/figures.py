@@ -1,5 +1,6 @@
 """How every figure looks: its style, and a figure as a picture with its caption."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from io import BytesIO
@@ -10,6 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imsave
+
+from smoothprofile.labels import in_units
 
 DASHES = ("-", "--", ":")
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -82,6 +85,13 @@ def new_panels(count: int, height: float, width: float) -> tuple[Figure, list[Ax
     figure = Figure(figsize=(width, height), layout="compressed")
     FigureCanvasAgg(figure)
     return figure, list(figure.subplots(1, count, squeeze=False)[0])
+
+
+def name_units(figure: Figure, units: Mapping[str, str]) -> None:
+    """Put the units of a case, `length` and `time` of its [units], into the axes of a figure."""
+    for axes in figure.axes:
+        axes.set_xlabel(in_units(axes.get_xlabel(), units))
+        axes.set_ylabel(in_units(axes.get_ylabel(), units))
 
 
 def legend_below(axes: Axes, columns: int) -> None:

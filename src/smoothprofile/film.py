@@ -13,7 +13,7 @@ import numpy as np
 from PIL import Image
 
 from smoothprofile.errors import CaseError
-from smoothprofile.figures import drawing, new_panels
+from smoothprofile.figures import drawing, name_units, new_panels
 from smoothprofile.runrecord import RunRecord, read_run
 from smoothprofile.structure import Beads, bonds, chain_of
 from smoothprofile.structure_plots import box_of, draw_beads, field_axis, views
@@ -101,6 +101,7 @@ def _images(record: RunRecord, frames: list[tuple[float, Beads]]) -> Iterator[np
             axes.clear()
             draw_beads(axes, beads, chains, *view)
             axes.set_title(f"{name.capitalize()}, t = {time:.4g}")
+        name_units(figure, record.case.get("units", {}))
         figure.canvas.draw()
         # The panels stay where the first frame has put them.
         figure.set_layout_engine("none")

@@ -1,8 +1,10 @@
 """The words in figures: symbols, units, and names as users wrote them.
 
-Units are the case's own: whatever length, time and mass its numbers were given in.
+Units are the case's own, whatever length, time and mass its numbers were given in; where [units]
+says what 1 means, axes of lengths, times and speeds carry that.
 """
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,6 +14,28 @@ LOADS = {
     "force": ("F", "force (mass·length/time²)"),
     "torque": ("T", "torque (mass·length²/time²)"),
 }
+
+
+LENGTHS_AND_TIMES = re.compile(r"\((length|time|length/time|1/time)\)")
+
+
+def in_units(label: str, units: Mapping[str, str]) -> str:
+    """z (20 um) for z (length), Ω (1/(10 ms)) for Ω (1/time); words of other units stay."""
+
+    def named(found: re.Match) -> str:
+        above, _, below = found[1].partition("/")
+        top = _plain(units.get(above, above))
+        if not below:
+            return f"({top})"
+        bottom = _plain(units.get(below, below))
+        return f"({top}/({bottom}))" if above == "1" and " " in bottom else f"({top}/{bottom})"
+
+    return LENGTHS_AND_TIMES.sub(named, label)
+
+
+def _plain(unit: str) -> str:
+    """um for 1 um, and 20 um as it stands."""
+    return unit.removeprefix("1 ").strip()
 
 
 def load_label(owner: str, load: str, component: str) -> str:

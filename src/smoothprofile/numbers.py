@@ -162,9 +162,17 @@ def reynolds(s: Scales) -> float | None:
 
 
 def creeping_hint(case: Case) -> str:
-    """What to add to a complaint of Δt where inertia does not count; empty where it does."""
-    found = reynolds(scales_of(case))
-    if found is None or found >= CREEPING:
+    """What to add on Δt where no inertia counts, Re, St and ρωa²/μ small; empty where it does."""
+    scales = scales_of(case)
+    found = reynolds(scales)
+    if found is None:
+        return ""
+    stokes = 2.0 / 9.0 * (scales.density_ratio or 0.0) * found
+    moving = [*case.fluid.wall_velocity.given().values()]
+    moving += [s for p in case.particles for s in (p.velocity, p.angular_velocity)]
+    swiftest = max((s.angular_frequency for s in moving if any(s.amplitude)), default=0.0)
+    swinging = scales.density * swiftest * scales.radius**2 / scales.viscosity
+    if max(found, stokes, swinging) >= CREEPING:
         return ""
     return f'; at Re = {found:.2g} fluid.flow = "stokes" needs no such step'
 

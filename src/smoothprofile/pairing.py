@@ -78,6 +78,12 @@ def pair(case: Case, grid: Grid, speed: tuple[float, float, float]) -> Pairing:
     )
 
 
+def steps_of(case: Case, step: float) -> int:
+    """How many steps a run takes at most."""
+    steps = math.ceil(case.time.end / step - 1e-9)
+    return min(steps, case.time.max_steps or steps)
+
+
 def turning_step(case: Case) -> float:
     """2π/(16 ω m): the largest step that resolves a field solved for every m steps; inf if still.
 

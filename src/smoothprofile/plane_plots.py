@@ -83,7 +83,7 @@ def strength_picture(plane: Plane) -> Picture | None:
     """|E| in a plane, bodies outlined, and the forces on those that the plane cuts as arrows."""
     if not _can_show(plane, "strength"):
         return None
-    figure, axes = _filled(plane, "strength", "field strength |E|", 0.0)
+    figure, axes = _filled(plane, "strength", "field strength |E| (√force/length)", 0.0)
     largest = _draw_forces(axes, plane)
     where = _finish(figure, axes, plane, "Strength of the electric field", largest)
     caption = f"Strength of the electric field in the plane {where}."
@@ -96,7 +96,7 @@ def potential_picture(plane: Plane) -> Picture | None:
     """V in a plane, lines of force over it."""
     if not _can_show(plane, "potential"):
         return None
-    figure, axes = _filled(plane, "potential", "potential V", None)
+    figure, axes = _filled(plane, "potential", "potential V (√force)", None)
     _draw_streamlines(axes, plane, "electric_field", outside=False)
     where = _finish(figure, axes, plane, "Electric potential")
     caption = f"Electric potential in the plane {where}, with lines of the field in white."

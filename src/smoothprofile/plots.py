@@ -1,6 +1,7 @@
 """Figures of a run, drawn from its run directory alone.
 
-Units are the case's own: whatever length, time and mass its numbers were given in.
+Units are the case's own: whatever length, time and mass its numbers were given in. `pictures`
+names them where the case says what they are.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,7 +10,16 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from smoothprofile.figures import DASHES, LEVEL, PALETTE, Picture, drawing, new_figure, power_of_ten
+from smoothprofile.figures import (
+    DASHES,
+    LEVEL,
+    PALETTE,
+    Picture,
+    drawing,
+    name_units,
+    new_figure,
+    power_of_ten,
+)
 from smoothprofile.grid import AXIS_NAMES
 from smoothprofile.labels import (
     LOADS,
@@ -50,7 +60,10 @@ def pictures(record: RunRecord, reference: Mapping[str, Any] | None = None) -> l
             wall_shear_picture(record.wall_shear, output.get("wall_line", {}), reference),
             convergence_picture(record.history, tolerance),
         ]
-    return [picture for picture in drawn if picture is not None]
+    found = [picture for picture in drawn if picture is not None]
+    for picture in found:
+        name_units(picture.figure, record.case.get("units", {}))
+    return found
 
 
 def _travelling(record: RunRecord) -> dict[str, Mapping[str, np.ndarray]]:
@@ -214,9 +227,10 @@ def _draw_reference(
 
 
 def _look_past_the_start(axes: Axes, keep: list[float]) -> None:
-    """Scale the axis to the last 90 % of the time when the start would dwarf the rest, and say so.
+    """Scale the axis to the last 90 % of the time when what was before dwarfs it, and say so.
 
-    An impulsive start makes the first forces as large as the time step is small.
+    An impulsive start makes the first forces as large as the time step is small; so does an early
+    impact.
     """
     everything = np.concatenate([line.get_xydata() for line in axes.lines])
     everything = everything[np.isfinite(everything).all(axis=1)]
@@ -231,9 +245,6 @@ def _look_past_the_start(axes: Axes, keep: list[float]) -> None:
         return
     axes.set_ylim(low - margin, high + margin)
     extreme = everything[np.abs(everything[:, 1]).argmax()]
-    note = f"start-up beyond the frame: {extreme[1]:.4g} at t = {extreme[0]:.3g}"
-    # On the side of the peak, for what comes after it lies towards the other.
-    height, side = (0.97, "top") if extreme[1] > high else (0.03, "bottom")
-    corner = {"transform": axes.transAxes, "ha": "right", "va": side}
-    behind = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-    axes.text(0.99, height, note, fontsize=8, color="#555555", bbox=behind, zorder=4, **corner)
+    note = f"beyond the frame: {extreme[1]:.4g} at t = {extreme[0]:.3g}".replace("-", "−")
+    # Above the axes, where no curve can lie behind it.
+    axes.set_title(note, loc="right", fontsize=8, fontweight="normal", color="#555555")

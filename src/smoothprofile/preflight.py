@@ -1,12 +1,10 @@
-"""What can be said of a case before it runs: resolution, limits on Δt, memory, disk, time.
+"""What can be said of a case with inertia before it runs: resolution, and limits on Δt.
 
 Each check is a row name, value, limit, verdict, note; the verdict "refuse" stops a run before it
 starts, "warn" does not.
 """
 
 import math
-import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,11 +18,10 @@ from smoothprofile.pairing import (
     Pairing,
     can_be_moved,
     ratio_range,
+    steps_of,
     surface_offsets,
     turning_step,
 )
-from smoothprofile.schemes import scheme_named
-from smoothprofile.threads import thread_count
 from smoothprofile.unheld import speeding_up
 
 Check = dict[str, Any]
@@ -34,21 +31,12 @@ FAR_FROM_BEST = 0.1
 FAR_MOVED = 0.5
 # Lengths that are exact multiples are so to round-off.
 ROUND_OFF = 1e-9
-# Measured on one core of a 2024 server, in double precision; a step's cost is linear in cells.
-SECONDS_PER_CELL = 6e-8
-SECONDS_PER_STEP = 2e-3
-# The field of some hundred beads of R = 10, solved for anew; that of two takes 1e-7.
-FIELD_SECONDS_PER_CELL = 2.5e-7
-# State, provisional velocity, advection, δp, and the copies that output makes.
-FIELDS_PER_CELL = 19
-FIELDS_PER_LEVEL = 6
-# ψ and scratch of the iteration, ε on faces and corners, and the copies that output makes.
-RESOLVED_FIELDS = 20
-COLUMNS = {"velocity": 3, "pressure": 1, "indicator": 1, "potential": 1, "electric_field": 3}
+MANY_STEPS = 10_000
+"""From which on a run that no inertia counts in is warned that it could do without them."""
 
 
 def checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
-    """Every check of a case on its grid with the step that it will take."""
+    """Every check of a case on its grid with the step that it will take, but what it needs."""
     found = [_advective_limit(case, pairing)]
     refuse(found)
     found += turning_check(case, pairing)
@@ -60,11 +48,6 @@ def checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
         found += _layer(case, grid, pairing)
         refuse(_unmovable(case, pairing))
         found += _surfaces(case, pairing)
-    found += [
-        _memory(case, grid),
-        disk_check(case, grid, snapshots(case)),
-        _duration(case, grid, pairing),
-    ]
     return found
 
 
@@ -73,14 +56,6 @@ def refuse(found: list[Check]) -> None:
     for check in found:
         if check["verdict"] == "refuse":
             raise CaseError(check["note"])
-
-
-def check_memory(case: Case) -> None:
-    """CaseError if the mesh would not fit, before anything of its size is made."""
-    cells = math.prod(case.domain.cells)
-    check = memory_check(case, cells, _flow_fields(case))
-    if check["verdict"] == "refuse":
-        raise CaseError(check["note"])
 
 
 def check_row(name: str, value: Any, limit: Any, verdict: str, note: str) -> Check:
@@ -102,7 +77,18 @@ def _advective_limit(case: Case, pairing: Pairing) -> Check:
             f"time.step is {pairing.step:g}; with speeds up to ({speed}) {case.time.scheme} is "
             f"stable only up to {pairing.limit:.4g}{creeping_hint(case)}."
         )
+    elif hint := _bodies_hint(case):
+        note += hint
+        if (steps := steps_of(case, pairing.step)) > MANY_STEPS:
+            verdict = "warn"
+            note += f", of which there are {steps}"
     return check_row("time step", pairing.step, pairing.limit, verdict, note)
+
+
+def _bodies_hint(case: Case) -> str:
+    """What to add on Δt where bodies move and no inertia counts."""
+    moving = any(particle.motion != "held" for particle in case.particles)
+    return creeping_hint(case) if moving else ""
 
 
 def turning_check(case: Case, pairing: Pairing) -> list[Check]:
@@ -257,71 +243,3 @@ def _where_it_acts(distance: float) -> str:
         return "a flat wall acts where it is painted"
     side = "inside" if distance > 0 else "outside"
     return f"a flat wall acts {abs(distance):.4g} {side} the painted surface"
-
-
-def _memory(case: Case, grid: Grid) -> Check:
-    return memory_check(case, math.prod(grid.padded_shape), _flow_fields(case))
-
-
-def _flow_fields(case: Case) -> int:
-    """Fields of the mesh's size that a run of the flow holds."""
-    levels = scheme_named(case.time.scheme).levels
-    fields = FIELDS_PER_CELL + FIELDS_PER_LEVEL * (levels - 1)
-    fields += RESOLVED_FIELDS if case.electric else 0
-    return fields + 6 if case.particles else fields
-
-
-def memory_check(case: Case, cells: int, fields: int) -> Check:
-    """Whether that many fields of so many cells fit into the memory that is free."""
-    need = cells * fields * (8 if case.domain.precision == "double" else 4)
-    free = _free_memory()
-    verdict = "ok" if need < free else "refuse"
-    note = f"{fields} fields of {cells} cells"
-    if verdict == "refuse":
-        shown = "×".join(str(n) for n in case.domain.cells)
-        note = (
-            f"domain.cells is {shown}, which needs about {need / 2**30:.3g} GiB of memory; "
-            f"{free / 2**30:.3g} GiB are free."
-        )
-    return check_row("memory (GiB)", need / 2**30, free / 2**30, verdict, note)
-
-
-def _free_memory() -> int:
-    info = Path("/proc/meminfo")
-    if info.is_file():
-        for line in info.read_text().splitlines():
-            if line.startswith("MemAvailable:"):
-                return int(line.split()[1]) * 1024
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-
-
-def snapshots(case: Case) -> int:
-    every = case.output.fields_every
-    return 1 + (math.floor(case.time.end / every) if every else 0)
-
-
-def disk_check(case: Case, grid: Grid, snapshots: int) -> Check:
-    """How large fields.h5 may become."""
-    size = snapshots * 4 * grid.cell_count * sum(COLUMNS[name] for name in case.output.fields)
-    return check_row(
-        "disk (GiB)", size / 2**30, None, "ok", f"{_count(snapshots, 'snapshot')}, uncompressed"
-    )
-
-
-def _duration(case: Case, grid: Grid, pairing: Pairing) -> Check:
-    steps = math.ceil(case.time.end / pairing.step - 1e-9)
-    if case.time.max_steps:
-        steps = min(steps, case.time.max_steps)
-    each = SECONDS_PER_CELL
-    if case.electric is not None:
-        each += FIELD_SECONDS_PER_CELL / case.electric.every
-    cells = each * grid.cell_count / thread_count() ** 0.75
-    seconds = steps * (SECONDS_PER_STEP + cells)
-    note = f"{steps} steps at most, a rough estimate for {_count(thread_count(), 'thread')}"
-    if case.start:
-        note += "; the coarser runs before it are not counted"
-    return check_row("time (s)", seconds, None, "ok", note)
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

@@ -179,7 +179,18 @@ def _status(record: RunRecord) -> str:
     if "cells" in summary:
         parts.append(f"{webpage.number(summary['cells'])} cells")
     parts.append(record.run.get("started", "").replace("T", " ").replace("+00:00", " UTC"))
-    return badge + f'<span class="faint">{escape(" · ".join(filter(None, parts)))}</span>'
+    lines = [" · ".join(filter(None, parts)), _units(record)]
+    return badge + "<br>".join(f'<span class="faint">{escape(t)}</span>' for t in lines if t)
+
+
+def _units(record: RunRecord) -> str:
+    """What 1 means in the case, if it says so."""
+    units = record.case.get("units")
+    if not units:
+        return ""
+    mass = units.get("density") or units.get("mass") or "1 kg"
+    field = "; the field is √ε₀ E or √μ₀ H" if "electric" in record.case else ""
+    return f"1 means {units['length']}, {units['time']}, {mass}{field}"
 
 
 def _result(record: RunRecord) -> str:
@@ -272,8 +283,18 @@ def _bodies(record: RunRecord) -> str:
         rows[:MOST_BODIES],
         set(range(1, len(quantities) + 1)),
     )
-    left = len(rows) - MOST_BODIES
-    return table + (f'<p class="note">{left} more in particles.csv.</p>' if left > 0 else "")
+    left, notes = len(rows) - MOST_BODIES, []
+    if left > 0:
+        notes.append(f"{left} more in particles.csv.")
+    if any(_is_outside(record, body.get("position")) for body in bodies):
+        notes.append("Positions go on past periodic sides: they are not put back into the box.")
+    return table + (f'<p class="note">{" ".join(notes)}</p>' if notes else "")
+
+
+def _is_outside(record: RunRecord, place: Sequence[float | None] | None) -> bool:
+    domain = record.case["domain"]
+    box = zip(place or (), domain.get("origin", [0.0] * 3), domain["lengths"], strict=False)
+    return any(at is not None and not low <= at <= low + length for at, low, length in box)
 
 
 def _walls(record: RunRecord) -> str:

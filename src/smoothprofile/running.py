@@ -185,7 +185,8 @@ def _with_retries(
     else:
         path = directory.path
         if would_go_back(simulation, path, ended):
-            say(f"spm resume {path} --retry 1 goes back to its last checkpoint, with a smaller Δt.")
+            back = "goes back to its last checkpoint" if has_checkpoint(path) else "begins again"
+            ended.add_note(f"spm resume {path} --retry 1 {back}, with a smaller Δt.")
     return ended
 
 

@@ -28,10 +28,11 @@ from smoothprofile.errors import CaseError
 from smoothprofile.field_checks import flow_checks
 from smoothprofile.flow.walls import Walls
 from smoothprofile.grid import interior
+from smoothprofile.needs import check_memory
 from smoothprofile.pairing import expected_speed, pair
 from smoothprofile.particles.motion import Course
 from smoothprofile.particles.watch import BodyWatch
-from smoothprofile.preflight import check_memory, refuse
+from smoothprofile.preflight import refuse
 from smoothprofile.preliminary import PreliminaryRuns
 from smoothprofile.tables import result_table
 from smoothprofile.threads import ThreadTrial

@@ -41,10 +41,12 @@ def stokes_pairing(case: Case, grid: Grid) -> Pairing:
 
 def step_bounds(case: Case, grid: Grid) -> dict[str, float]:
     """What bounds Δt, in words, and how."""
-    size, own, carried = smallest_size(case), _largest(body_speeds(case, grid)), flow_speed(case)
-    rate = shear_rate(case)
+    size, speeds, carried = smallest_size(case), body_speeds(case, grid), flow_speed(case)
+    own, rate = _largest(speeds), shear_rate(case)
+    free = own and case.particles[int(np.argmax(speeds))].motion == "free"
+    moves = "a body's loads move it" if free else "a body's given motion takes it on"
     return {
-        "a tenth of the time in which a body's loads move it by its size": (
+        f"a tenth of the time in which {moves} by its size": (
             BODY_SHARE * size / own if own else math.inf
         ),
         "four tenths of the time in which the flow goes by a body's size": (

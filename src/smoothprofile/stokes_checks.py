@@ -13,17 +13,14 @@ from smoothprofile.config.stokes import TOLERANCE, nothing_moves
 from smoothprofile.field_checks import field_rows
 from smoothprofile.gap_checks import gap_rows
 from smoothprofile.grid import Grid
+from smoothprofile.needs import RESOLVED_FIELDS, disk_check, memory_check, time_check
 from smoothprofile.numbers import CREEPING, reynolds, scales_of
-from smoothprofile.pairing import Pairing
+from smoothprofile.pairing import Pairing, steps_of
 from smoothprofile.preflight import (
     FAR_MOVED,
-    RESOLVED_FIELDS,
     Check,
     check_row,
-    disk_check,
-    memory_check,
     refuse,
-    snapshots,
     turning_check,
     widest_cell,
 )
@@ -54,8 +51,9 @@ def stokes_checks(case: Case, grid: Grid, pairing: Pairing) -> list[Check]:
     if case.particles:
         found += [*_layer(case, grid), *gap_rows(case)]
     found += field_rows(case, grid, pairing)
-    disk = disk_check(case, grid, snapshots(case))
-    return [*found, _memory(case, grid.cell_count), disk, _duration(case, grid, pairing)]
+    steps = 0 if nothing_moves(case) else steps_of(case, pairing.step)
+    disk = disk_check(case, grid, steps)
+    return [*found, _memory(case, grid.cell_count), disk, _duration(case, grid, steps)]
 
 
 def surface_rows(case: Case, flow: QuasiStaticFlow) -> list[Check]:
@@ -124,12 +122,10 @@ def _painted(case: Case, particle) -> float:
     return min(4.0 / 3.0 * math.pi * reach**3, box) if np.isfinite(reach) else box
 
 
-def _duration(case: Case, grid: Grid, pairing: Pairing) -> Check:
-    steps = 0 if nothing_moves(case) else math.ceil(case.time.end / pairing.step - 1e-9)
-    steps = min(steps, case.time.max_steps or steps)
+def _duration(case: Case, grid: Grid, steps: int) -> Check:
     decades = -math.log10(case.fluid.tolerance or TOLERANCE)
     iterations = decades * (FIRST_ITERATIONS + WARM_ITERATIONS * steps)
     cells = SECONDS_PER_ITERATION * grid.cell_count / thread_count() ** 0.75
     seconds = iterations * (SECONDS_AT_LEAST + cells)
     note = f"{steps + 1} flows, about {iterations:.0f} iterations, a rough estimate"
-    return check_row("time (s)", seconds, None, "ok", note)
+    return time_check(seconds, note)

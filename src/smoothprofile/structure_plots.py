@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import to_rgb
 
+from smoothprofile.config.fluid import STOKES
 from smoothprofile.csvtables import number_columns, read_table
 from smoothprofile.figures import DASHES, LEVEL, PALETTE, Picture, legend_below, new_panels
 from smoothprofile.grid import AXIS_NAMES
@@ -31,7 +32,7 @@ def structure_pictures(record: RunRecord) -> list[Picture]:
         chains_picture(record.history),
         energy_picture(record.history),
         pairs_picture(table),
-        stress_picture(record.history),
+        stress_picture(record.history, record.case.get("fluid", {}).get("flow") != STOKES),
     ]
     return [picture for picture in drawn if picture is not None]
 
@@ -80,7 +81,7 @@ def chains_picture(history: History) -> Picture | None:
     gaps.axhline(0.0, **LEVEL)
     legend_below(lengths, 3)
     lengths.set(title="Length of chains", xlabel="t (time)", ylabel="beads", ylim=(0, None))
-    order.set(title="Bonds along the field", xlabel="t (time)", ylabel="⟨(3cos²θ − 1)/2⟩")
+    order.set(title="Bonds along the field", xlabel="t (time)", ylabel="⟨(3cos²θ − 1)/2⟩ (–)")
     gaps.set(title="Smallest gap", xlabel="t (time)", ylabel="h (length)")
     caption = (
         "Length of chains, how far bonds lie along the field (1 along, 0 at random), and the "
@@ -104,10 +105,10 @@ def energy_picture(history: History) -> Picture | None:
         energy, what = along * square.mean(), " Ω is that in the mean square of the field."
     falls.plot(history["time"], -(energy - energy[0]))
     permittivity.plot(history["time"], along)
-    falls.set(title="Energy that falls", xlabel="t (time)", ylabel="Ω − Ω₀, Ω = −½∫E·εE dV")
-    permittivity.set(title="Effective permittivity", xlabel="t (time)", ylabel="⟨D⟩·E₀/E₀²")
+    falls.set(title="Energy that falls", xlabel="t (time)", ylabel="Ω − Ω₀ (force·length)")
+    permittivity.set(title="Effective permittivity", xlabel="t (time)", ylabel="⟨D⟩·E₀/E₀² (–)")
     caption = (
-        "What falls while the mean field is held is Ω, less than zero: the source of the field "
+        "What falls while the mean field is held is Ω = −½∫E·εE dV: the source of the field "
         "does twice the work that ½∫E·εE dV gains. On the right ⟨D⟩ along the field over it."
     )
     return Picture("field-energy", caption + what, figure, wide=True)
@@ -122,12 +123,12 @@ def pairs_picture(table: Mapping[str, np.ndarray]) -> Picture | None:
     for number, (name, label) in enumerate(labels.items()):
         axes.plot(table["r"], table[name], DASHES[number], label=label, drawstyle="steps-mid")
     axes.axhline(1.0, **LEVEL)
-    axes.set(title="Pairs at a distance", xlabel="r (length)", ylabel="g, logarithmic above 1")
+    axes.set(title="Pairs at a distance", xlabel="r (length)", ylabel="g (–), logarithmic above 1")
     axes.set_yscale("symlog", linthresh=1.0)
     near = float(table["r"][np.flatnonzero(table["g"])[:1]].sum())
     axes.set(xlim=(0.8 * near, float(table["r"][-1])), ylim=(0.0, None))
     axes.yaxis.set_major_formatter("{x:g}")
-    axes.legend()
+    legend_below(axes, 3)
     caption = (
         "Pairs of beads at a distance at the end, over those of beads anywhere; along and across "
         "the field means within 30°."
@@ -135,8 +136,8 @@ def pairs_picture(table: Mapping[str, np.ndarray]) -> Picture | None:
     return Picture("pairs", caption, figure)
 
 
-def stress_picture(history: History) -> Picture | None:
-    """τ on sliding walls and its parts against time."""
+def stress_picture(history: History, inertia: bool = True) -> Picture | None:
+    """τ on sliding walls and its parts against time; the parts are all of it without inertia."""
     if len(history.get("wall_stress", ())) < 2:
         return None
     figure, (axes,) = new_panels(1, HEIGHT, 5.4)
@@ -156,7 +157,8 @@ def stress_picture(history: History) -> Picture | None:
     _leave_start_out(axes, history, list(labels))
     axes.set(title="Shear stress", xlabel="t (time)", ylabel="τ (force/length²)")
     axes.figure.legend(loc="outside lower center", ncols=4)
-    caption = "Shear stress on the sliding walls, and what bears it; the rest is inertia."
+    caption = "Shear stress on the sliding walls, and what bears it"
+    caption += "; the rest is inertia." if inertia else "."
     return Picture("wall-stress", caption, figure)
 
 

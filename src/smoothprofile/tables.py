@@ -31,6 +31,7 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
     summary, pairing = run.summary(), run.pairing
     rows = [
         ("status", run.status, f"{run.steps} steps to t = {run.time:.6g}"),
+        *_of_units(run.case),
         ("time step", f"{run.time_step:.6g}", _limit(pairing.limit)),
     ]
     if pairing.ratio is not None:
@@ -47,7 +48,7 @@ def result_table(run: "Simulation") -> list[tuple[str, str, str]]:
         *_numbers(number_rows(run.case, fastest(run))),
         ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
         ("rate of change", f"{summary['change_rate']:.2g}", "max|∂u/∂t|/max|u|"),
-        ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
+        _clock(run, summary),
     ]
     return _in_order(rows, _of_bodies(run, vector), rest, len(run.case.particles))
 
@@ -60,6 +61,7 @@ def stokes_table(run: "StokesSimulation") -> list[tuple[str, str, str]]:
     solved = f"residual {report.residual:.2g}, of the last flow"
     rows = [
         ("status", run.status, went),
+        *_of_units(run.case),
         ("time step", f"{run.time_step:.6g}", "no limit of stability"),
         ("iterations", str(report.iterations), solved),
     ]
@@ -68,7 +70,7 @@ def stokes_table(run: "StokesSimulation") -> list[tuple[str, str, str]]:
         ("driving force", vector("drive", run.driving_force), "per unit volume"),
         *_numbers(number_rows(run.case, fastest(run))),
         ("largest divergence", f"{summary['max_divergence']:.2g}", "round-off"),
-        ("wall-clock", f"{summary['wall_seconds']:.3g} s", _threads(summary["threads"])),
+        _clock(run, summary),
     ]
     return _in_order(rows, _of_bodies(run, vector), rest, len(run.case.particles))
 
@@ -82,7 +84,7 @@ def _of_bodies(run: "FlowViews", vector: Shown) -> list[tuple[str, str, str]]:
     """What a run of a fluid says of its first bodies."""
     bodies, each = run.particles, []
     for body, particle in zip(bodies[:MOST_BODIES], run.case.particles, strict=False):
-        each += _of_body(body, particle.motion == "free", vector)
+        each += _of_body(body, particle.motion == "free", vector, run.has_inertia)
     if len(bodies) > MOST_BODIES:
         each.append(("other bodies", str(len(bodies) - MOST_BODIES), "see particles.csv"))
     return each
@@ -90,7 +92,7 @@ def _of_bodies(run: "FlowViews", vector: Shown) -> list[tuple[str, str, str]]:
 
 def _of_all(run: "FlowViews", summary: dict, vector: Shown) -> list[tuple[str, str, str]]:
     """What a run of a fluid says of its suspension and of the walls, as a whole."""
-    rows, bodies = _of_units(run.case) + _of_permittivity(run.case), run.bodies.state
+    rows, bodies = _of_permittivity(run.case), run.bodies.state
     if len(bodies.velocity) > MOST_BODIES:
         note = f"of all {len(bodies.velocity)} bodies"
         rows.append(("mean velocity", vector("velocity", bodies.velocity.mean(axis=0)), note))
@@ -112,11 +114,11 @@ def field_table(run: "Electrostatics") -> list[tuple[str, str, str]]:
     solved = f"{electric.method}, {summary['iterations']} iterations"
     rows = [
         ("status", run.status, solved),
+        *_of_units(run.case),
         ("residual", f"{summary['residual']:.2g}", f"tolerance {electric.tolerance:g}"),
         ("mean field", _vector(summary["mean_field"]), ""),
         ("mean displacement", _vector(summary["mean_displacement"]), ""),
         ("energy", f"{summary['energy']:.6g}", "½∫E·εE dV"),
-        *_of_units(run.case),
         *_of_permittivity(run.case),
     ]
     if run.effective_permittivity is not None:
@@ -179,7 +181,7 @@ def _numbers(rows: list[tuple[str, float, str]]) -> list[tuple[str, str, str]]:
     return [(name, f"{value:.6g}", note) for name, value, note in rows]
 
 
-def _of_body(body: dict, free: bool, vector: Shown) -> list[tuple[str, str, str]]:
+def _of_body(body: dict, free: bool, vector: Shown, inertia: bool) -> list[tuple[str, str, str]]:
     name, inside = body["name"], body["interior_velocity"] - body["velocity"]
     told = [
         ("force", "force on", "of the fluid"),
@@ -193,11 +195,14 @@ def _of_body(body: dict, free: bool, vector: Shown) -> list[tuple[str, str, str]
             *told,
         ]
     rows = [(f"{words} {name}", vector(key, body[key]), note) for key, words, note in told]
-    offset = f"{body['painted_offset']:+.5g}"
-    rows.append((f"surface of {name}", offset, "painted outward by"))
+    offset = body["painted_offset"]
+    side = "outside" if offset >= 0 else "inside"
+    rows.append((f"surface of {name}", f"{abs(offset):.5g}", f"painted this far {side}"))
     if body["shape"] != "plane":
         slip = f"{np.linalg.norm(inside):.3g}"
-        rows.append((f"slip inside {name}", slip, "at its centre; 0 is exact"))
+        layer = "that of the layer, which the painted surface makes up for"
+        note = f"at its centre; {'0 is exact' if inertia else layer}"
+        rows.append((f"slip inside {name}", slip, note))
     return rows
 
 
@@ -229,6 +234,15 @@ def _vector(values: np.ndarray, faint: float | None = None) -> str:
 
 def _limit(step: float) -> str:
     return f"stable up to {step:.4g}" if np.isfinite(step) else "no limit from advection"
+
+
+def _clock(run: "FlowViews", summary: dict) -> tuple[str, str, str]:
+    """Wall-clock, and how much of it was the first step where that is most of it."""
+    seconds, note = summary["wall_seconds"], _threads(summary["threads"])
+    first = run.wall_seconds - (run.steps - 1) * run.seconds_per_step
+    if run.steps > 1 and first > 0.5 * seconds:
+        note += f", of which the first step, with compiling, {first:.3g} s"
+    return "wall-clock", f"{seconds:.3g} s", note
 
 
 def _threads(count: int) -> str:

@@ -2,13 +2,13 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PlainValidator, field_validator, model_validator
+from pydantic import Field, PlainValidator, ValidationInfo, field_validator, model_validator
 
 from smoothprofile.config.contact import Contact
 from smoothprofile.config.domain import Domain, Faces
 from smoothprofile.config.electric import Electric
 from smoothprofile.config.fluid import Fluid
-from smoothprofile.config.output import ELECTRIC_FIELDS, FLOW_FIELDS, Output
+from smoothprofile.config.output import ELECTRIC_FIELDS, FLOW_FIELDS, Output, plane_that_shows
 from smoothprofile.config.particle import Particle, shown_signal
 from smoothprofile.config.placement import check_placement
 from smoothprofile.config.refusals import MISSING, Refusal
@@ -164,6 +164,14 @@ class Case(Table):
             plain = particle.shape if len(particles) == 1 else f"{particle.shape} {number}"
             named.append(particle.model_copy(update={"name": particle.name or plain}))
         return tuple(named)
+
+    @field_validator("output")
+    @classmethod
+    def _plane_to_look_at(cls, output: Output, info: ValidationInfo) -> Output:
+        if "plane" in output.model_fields_set:
+            return output
+        plane = plane_that_shows(info.data.get("fluid"), info.data.get("electric"))
+        return output.model_copy(update={"plane": plane})
 
     @model_validator(mode="after")
     def _tables_agree(self) -> "Case":

@@ -18,6 +18,7 @@ from pydantic import Field
 
 from smoothprofile.config.case import Case
 from smoothprofile.config.domain import Domain
+from smoothprofile.config.electric import LARGEST_RATIO
 from smoothprofile.config.refusals import MISSING, Refusal
 from smoothprofile.config.sources import checked
 from smoothprofile.config.values import AXES, POSITIVE, Positive, Table, is_finite
@@ -41,12 +42,16 @@ MADE_OF = {
 }
 
 
+RATIO = f"a number from {1.0 / LARGEST_RATIO:g} to {LARGEST_RATIO:g}"
+Ratio = Annotated[float, Field(ge=1.0 / LARGEST_RATIO, le=LARGEST_RATIO)]
+
+
 class Numbers(Table):
     """[numbers]: dimensionless numbers, as `numbers.py` defines them."""
 
     Re: Positive | None = Field(None, description=POSITIVE)
     Mn: Positive | None = Field(None, description=POSITIVE)
-    R: Positive | None = Field(None, description=POSITIVE)
+    R: Ratio | None = Field(None, description=RATIO)
     volume_fraction: Annotated[float, Field(gt=0, lt=1)] | None = Field(
         None, description="a number above 0 and below 1"
     )
@@ -77,10 +82,10 @@ def _with_bodies(data: dict, wanted: Numbers) -> dict:
     entries = data.get("particles")
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         return data
-    fluid = data["electric"].get("permittivity", 1.0) if _table(data, "electric") else None
+    fluid = _given(data, "electric", "permittivity", 1.0) if _table(data, "electric") else None
     found = []
     for entry in entries:
-        if wanted.R is not None and is_finite(fluid):
+        if wanted.R is not None and fluid is not None:
             entry = {"permittivity": wanted.R * fluid, **entry}
         packing = entry.get("random")
         if wanted.volume_fraction is not None and isinstance(packing, dict):
@@ -89,6 +94,14 @@ def _with_bodies(data: dict, wanted: Numbers) -> dict:
             entry = {**entry, "random": {**packing, **entry["random"]}}
         found.append(entry)
     return {**data, "particles": found}
+
+
+def _given(data: dict, table: str, key: str, usual: float) -> float:
+    """What a table says, before bodies take a multiple of it; Refusal if not above 0."""
+    value = data[table].get(key, usual)
+    if not is_finite(value) or value <= 0:
+        raise Refusal(f"{table}.{key}", value, f"it must be {POSITIVE}")
+    return value
 
 
 def _table(data: dict, key: str) -> bool:
@@ -139,9 +152,9 @@ def _filled(data: dict, wanted: Numbers, values: dict[str, float]) -> dict:
         data["fluid"] = fluid
     if "field" in values:
         data["electric"] = _with_field(data, values["field"])
-    bodies, density = data.get("particles"), fluid.get("density")
-    if wanted.density_ratio is not None and is_finite(density) and isinstance(bodies, list):
-        density *= wanted.density_ratio
+    bodies = data.get("particles")
+    if wanted.density_ratio is not None and "density" in fluid and isinstance(bodies, list):
+        density = wanted.density_ratio * _given(data, "fluid", "density", 1.0)
         free = [isinstance(body, dict) and body.get("motion") == "free" for body in bodies]
         pairs = zip(bodies, free, strict=True)
         data["particles"] = [{"density": density, **b} if is_free else b for b, is_free in pairs]
@@ -224,5 +237,8 @@ def _check(case: Case, wanted: Numbers) -> None:
             # A whole number of bodies comes within half a body of it.
             near = max(near, 0.51 * value / count)
         if abs(value - asked) > near:
-            allowed = f"{MADE_OF[name]} of the case make it {value:.7g}"
+            made_of = MADE_OF[name]
+            if case.electric is not None and case.electric.electrodes is not None:
+                made_of = made_of.replace("electric.field", "electric.electrodes.high")
+            allowed = f"{made_of} of the case make it {value:.7g}"
             raise Refusal(f"numbers.{name}", asked, allowed)

@@ -2,9 +2,12 @@
 
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
 from smoothprofile.config.domain import Domain
+from smoothprofile.config.electric import Electric
+from smoothprofile.config.fluid import Fluid
 from smoothprofile.config.refusals import Refusal
 from smoothprofile.config.values import (
     AXES,
@@ -30,6 +33,28 @@ class PlaneCut(Table):
 
     axis: AxisName = Field("z", description=AXIS)
     at: float | None = Field(None, description=f"{NUMBER}, or left out for the middle")
+
+
+def plane_that_shows(fluid: Fluid | None, electric: Electric | None) -> PlaneCut:
+    """The middle plane across the last axis along which nothing acts and no sliding wall lies.
+
+    What acts is the field, gravity, body force, a mean velocity, and walls that slide, whose normal
+    counts too: chains, wakes and profiles of shear are seen from the side. z if no axis is left.
+    """
+    taken = np.zeros(3, dtype=bool)
+    if electric is not None:
+        taken |= np.array(electric.field, dtype=bool) | np.array(electric.quadrature, dtype=bool)
+        if electric.electrodes is not None:
+            taken[AXES.index(electric.electrodes.axis)] = True
+    if fluid is not None:
+        taken |= np.array(fluid.gravity, dtype=bool) | np.array(fluid.body_force, dtype=bool)
+        taken[[axis for axis, value in fluid.mean_velocity.given().items() if value]] = True
+        for side, signal in fluid.wall_velocity.given().items():
+            slides = signal.maximum > 0
+            taken |= slides
+            taken[AXES.index(side[0])] |= slides.any()
+    left = np.flatnonzero(~taken)
+    return PlaneCut(axis=AXES[left[-1]] if left.size else "z")
 
 
 class Line(Table):

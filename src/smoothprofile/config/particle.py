@@ -93,12 +93,13 @@ class Solid(Table):
     @model_validator(mode="after")
     def _has_its_sizes(self) -> "Solid":
         sizes = SIZES[self.shape]
-        takes = f"a {self.shape} {sizes.words}, and no other size"
+        one = f"{'an' if self.shape[0] == 'e' else 'a'} {self.shape}"
         for key in SIZE_KEYS:
             value = getattr(self, key, None)
             if value is None and key in sizes.needed:
-                raise Refusal(key, MISSING, f"a {self.shape} needs {' and '.join(sizes.needed)}")
+                raise Refusal(key, MISSING, f"{one} needs {' and '.join(sizes.needed)}")
             if value is not None and key not in (*sizes.needed, *sizes.extra):
+                takes = f"{one} {sizes.words}, and no other size"
                 raise Refusal(key, shown_size(value), takes)
         if self.direction is not None and self.orientation is not None:
             turn = {"axis": self.orientation.axis, "angle": self.orientation.angle}

@@ -16,7 +16,7 @@ from typing import Any
 from pydantic import Field, model_validator
 
 from smoothprofile.config.dimensions import DIMENSIONS, FIXED, Kind
-from smoothprofile.config.refusals import Refusal
+from smoothprofile.config.refusals import Refusal, shown
 from smoothprofile.config.sources import checked
 from smoothprofile.config.values import Table
 
@@ -72,9 +72,11 @@ def without_units(data: dict[str, Any]) -> dict[str, Any]:
     table = None if given is None else checked(Units, given, "units")
     reader = _Reader(_system(table) if table else System())
     found = {key: reader.read(value, key, key) for key, value in data.items()}
-    if table is None and reader.has_units:
+    if table is None and reader.with_unit is not None:
         if reader.plain is not None:
-            raise Refusal(*reader.plain)
+            key, value, allowed = reader.plain
+            because, quantity = reader.with_unit
+            raise Refusal(key, value, f"because {because} is {shown(quantity)}, {allowed}")
         found["units"] = {"length": "1 m", "time": "1 s", "mass": "1 kg"}
     return found
 
@@ -103,11 +105,13 @@ def _unit_of(text: str, name: str) -> float:
 class _Reader:
     """Reads a case's values one by one, and remembers whether any had a unit.
 
-    plain: key, value and complaint of the first number that has none and should.
+    with_unit: key and value of the first that had; angles and what else is the same in all units
+    do not count. plain: key, value and complaint of the first number that has none and should.
     """
 
     def __init__(self, system: System):
-        self.system, self.has_units = system, False
+        self.system = system
+        self.with_unit: tuple[str, str] | None = None
         self.plain: tuple[str, Any, str] | None = None
 
     def read(self, value: Any, place: str, key: str) -> Any:
@@ -122,10 +126,11 @@ class _Reader:
         if kind is None or place.startswith("units."):
             return value
         if isinstance(value, str) and QUANTITY.fullmatch(value):
-            self.has_units = self.has_units or kind not in FIXED
+            if kind not in FIXED:
+                self.with_unit = self.with_unit or (key, value)
             return self.system.number(kind, si_value(kind, value, key))
         if isinstance(value, int | float) and value and kind not in FIXED:
-            allowed = f'among values with units it needs one too, such as "{kind.example}", '
+            allowed = f'it needs a unit too, such as "{kind.example}", '
             self._complain(key, value, allowed + "or the case a table [units]")
         return value
 

@@ -48,9 +48,15 @@ def watch(grid: Grid, state: FlowState, found: Extremes, dt: float, advection: b
         size = np.abs(state.velocity[c][1:-1, 1:-1, 1:-1])
         raise BlowUpError(
             f"{_place(grid, state, c, size == size.max())} has grown to {found.speed[c]:.3g}: the "
-            f"Courant number is {courant:.3g} and may not exceed {LARGEST_COURANT:g}; "
+            f"Courant number is {_beyond(courant)} and may not exceed {LARGEST_COURANT:g}; "
             f"the step Δt = {dt:.4g} is too large for this flow."
         )
+
+
+def _beyond(courant: float) -> str:
+    """In three digits, or as many as show that it exceeds what it may be."""
+    digits = (f"{courant:.{n}g}" for n in range(3, 18))
+    return next(text for text in digits if float(text) > LARGEST_COURANT)
 
 
 def _place(grid: Grid, state: FlowState, c: int, where: np.ndarray) -> str:
