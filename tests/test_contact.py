@@ -5,12 +5,13 @@ import math
 
 import numpy as np
 import pytest
+from numba import njit
 
 from contact_scenes import UPRIGHT, Scene, grid
 from smoothprofile import rotations, shapes
 from smoothprofile.errors import CaseError
 from smoothprofile.particles.contact import ContactParameters, default_parameters, driven
-from smoothprofile.particles.contact_gap import gap_between
+from smoothprofile.particles.contact_gap import part_gap
 from smoothprofile.particles.contact_law import Law, damping_ratio, repulsion, restitution_of
 from smoothprofile.particles.contact_pairs import Neighbours, bounding_radii
 
@@ -31,6 +32,15 @@ SOLIDS = {
         )
     ),
 }
+
+
+@njit(cache=True)
+def gap_between(kind_a, size_a, turn_a, centre_a, kind_b, size_b, turn_b, centre_b):
+    """(h, n, point) of two parts, from scratch."""
+    normal, point, start = np.empty(3), np.empty(3), np.full(3, np.nan)
+    gap = part_gap(kind_a, size_a, turn_a, centre_a, kind_b, size_b, turn_b, centre_b, start,
+                   normal, point)  # fmt: skip
+    return gap, normal, point
 
 
 def turned(generator, count=1):

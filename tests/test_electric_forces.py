@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dielectrics import PAIRS, Box, cube
-from smoothprofile.electric.stress import box_surface, maxwell_loads, sphere_surface
+from smoothprofile.electric.stress import Surface, maxwell_loads, sphere_surface
 from smoothprofile.rotations import from_axis_angle, multiply
 from smoothprofile.shapes import capsule, ellipsoid, sphere
 
@@ -15,6 +15,25 @@ PLACES = np.array([[1.03, 2.0, 2.1], [3.05, 2.31, 1.93], [2.2, 3.4, 3.3]])
 TURNS = np.array(
     [from_axis_angle([1, 2, 3], 0.7), from_axis_angle([0, 1, 1], 0.3), [1.0, 0.0, 0.0, 0.0]]
 )
+
+
+def box_surface(half_sides, points: int = 24) -> Surface:
+    """Gauss points on the six sides |x_i| = half_sides[i]."""
+    half = np.asarray(half_sides, dtype=np.float64)
+    node, weight = np.polynomial.legendre.leggauss(points)
+    u, v = np.meshgrid(node, node, indexing="ij")
+    areas = np.outer(weight, weight).ravel()
+    places, normals, sizes = [], [], []
+    for d in range(3):
+        a, b = (d + 1) % 3, (d + 2) % 3
+        for side in (-1.0, 1.0):
+            x, n = np.zeros((areas.size, 3)), np.zeros((areas.size, 3))
+            x[:, d], x[:, a], x[:, b] = side * half[d], half[a] * u.ravel(), half[b] * v.ravel()
+            n[:, d] = side
+            places.append(x)
+            normals.append(n)
+            sizes.append(areas * half[a] * half[b])
+    return Surface(np.concatenate(places), np.concatenate(normals), np.concatenate(sizes))
 
 
 def three_bodies(smoothing, places=PLACES, turns=TURNS, **options):

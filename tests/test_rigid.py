@@ -6,12 +6,20 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from smoothprofile import rotations
-from smoothprofile.particles.rigid import advance_rotation, angular_momentum
+from smoothprofile.particles.rigid import advance_rotation
 
 MOMENTS = np.array([1.0, 2.0, 3.0])
 INERTIA = np.diag(MOMENTS)[None]
 TILTED = rotations.from_axis_angle([1.0, 2.0, -0.5], 0.7)[None]
 STILL = np.zeros((1, 3))
+
+
+def angular_momentum(
+    quaternion: np.ndarray, angular_velocity: np.ndarray, inertia: np.ndarray
+) -> np.ndarray:
+    """R J RᵀΩ (n,3), in space."""
+    turn = rotations.matrix(quaternion)
+    return np.einsum("nij,njk,nlk,nl->ni", turn, inertia, turn, angular_velocity)
 
 
 def energy(quaternion, spin, inertia=INERTIA):

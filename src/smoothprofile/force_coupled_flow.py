@@ -191,7 +191,8 @@ class ForceCoupledFlow:
         held = flow.mean_flow
 
         def change_of_mean(values: np.ndarray, axis: int, is_field: bool) -> float:
-            return held.plain_mean(values, axis) + (held.targets[axis] if is_field else 0.0)
+            plain = held.plain_mean(values, axis, is_field)
+            return plain + (held.targets[axis] if is_field else 0.0)
 
         held.hold(field, None if is_velocity else change_of_mean)
         if is_velocity:

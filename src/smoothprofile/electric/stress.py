@@ -40,25 +40,6 @@ def sphere_surface(radius: float, rings: int = 24) -> Surface:
     return Surface(radius * normals, normals, areas)
 
 
-def box_surface(half_sides, points: int = 24) -> Surface:
-    """Gauss points on the six sides |x_i| = half_sides[i]."""
-    half = np.asarray(half_sides, dtype=np.float64)
-    node, weight = np.polynomial.legendre.leggauss(points)
-    u, v = np.meshgrid(node, node, indexing="ij")
-    areas = np.outer(weight, weight).ravel()
-    places, normals, sizes = [], [], []
-    for d in range(3):
-        a, b = (d + 1) % 3, (d + 2) % 3
-        for side in (-1.0, 1.0):
-            x, n = np.zeros((areas.size, 3)), np.zeros((areas.size, 3))
-            x[:, d], x[:, a], x[:, b] = side * half[d], half[a] * u.ravel(), half[b] * v.ravel()
-            n[:, d] = side
-            places.append(x)
-            normals.append(n)
-            sizes.append(areas * half[a] * half[b])
-    return Surface(np.concatenate(places), np.concatenate(normals), np.concatenate(sizes))
-
-
 def maxwell_loads(
     grid: Grid, faces: tuple, permittivity: float, centre, surface: Surface
 ) -> tuple[np.ndarray, np.ndarray]:

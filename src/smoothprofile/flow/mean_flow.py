@@ -60,7 +60,7 @@ class MeanFlow:
     def plain_mean(self, field: np.ndarray, axis: int, is_velocity: bool = True) -> float:
         """Volume mean of a field that lies where velocity component `axis` does.
 
-        Of anything but a velocity it is that of w, which stays the same from step to step.
+        What is no velocity is w of that axis, whose mean stays the same from step to step.
         """
         return volume_mean(self.grid, field, axis) if is_velocity else self._response_mean[axis]
 

@@ -12,7 +12,6 @@ the convex body B. Points are in space; a part has a centre c and a matrix R, fr
 
 import math
 
-import numpy as np
 from numba import njit
 
 from smoothprofile.distances import (
@@ -299,12 +298,3 @@ def _across(turn, centre, to_turn, to_centre, x, y, z):
     x, y, z = _out(turn, x, y, z)
     return _into(to_turn, x + centre[0] - to_centre[0], y + centre[1] - to_centre[1],
                  z + centre[2] - to_centre[2])  # fmt: skip
-
-
-@njit(cache=True)
-def gap_between(kind_a, size_a, turn_a, centre_a, kind_b, size_b, turn_b, centre_b):
-    """(h, n, point) of two parts, from scratch."""
-    normal, point, start = np.empty(3), np.empty(3), np.full(3, np.nan)
-    gap = part_gap(kind_a, size_a, turn_a, centre_a, kind_b, size_b, turn_b, centre_b, start,
-                   normal, point)  # fmt: skip
-    return gap, normal, point

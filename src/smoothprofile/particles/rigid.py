@@ -38,14 +38,6 @@ def advance_rotation(
     return rotations.normalise(q), spin
 
 
-def angular_momentum(
-    quaternion: np.ndarray, angular_velocity: np.ndarray, inertia: np.ndarray
-) -> np.ndarray:
-    """R J RᵀΩ (n,3), in space."""
-    turn = rotations.matrix(quaternion)
-    return np.einsum("nij,njk,nlk,nl->ni", turn, inertia, turn, angular_velocity)
-
-
 @njit(parallel=True, cache=True, error_model="numpy")
 def _advance(quaternion, spin, inertia, torque, dt):
     for b in prange(spin.shape[0]):
